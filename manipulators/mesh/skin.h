@@ -23,11 +23,13 @@ struct Bone {
 /// A surface bound to bones: at most `influences` weights a vertex, non-negative, summing to one.
 struct Skin {
   static constexpr int influences = 6;
+  using Indices = Eigen::Matrix<int, Eigen::Dynamic, influences, Eigen::RowMajor>;
+  using Weights = Eigen::Matrix<float, Eigen::Dynamic, influences, Eigen::RowMajor>;
 
   Surface surface;          ///< in the bind pose
   std::vector<Bone> bones;  ///< #B
-  Eigen::MatrixXi index;    ///< #V by influences, bone of each weight (0 where the weight is 0)
-  Eigen::MatrixXf weight;   ///< #V by influences, falling from left to right
+  Indices index;            ///< #V by influences, bone of each weight (0 where the weight is 0)
+  Weights weight;           ///< #V by influences, falling from left to right
   Eigen::VectorXi weld;     ///< #V, from welded(); used for normals
 };
 

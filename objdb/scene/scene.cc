@@ -1,0 +1,96 @@
+#include "objdb/scene/scene.h"
+
+#include <algorithm>
+
+#include "objdb/database.h"
+
+namespace objdb::scene {
+
+Scene::Scene(Database& database)
+    : database_(database), node_(database.schema().find("node")), joint_(database.schema().find("joint")) {
+  assert(node_->find("world_orientation") == world_orientation && joint_->find("rest") == rest);
+}
+
+Transform Scene::local(const Object& object) const {
+  const Transform placed = from_pose(std::get<Vec3>(object.value(position)), std::get<Quat>(object.value(orientation)));
+  if (!is_joint(object)) return placed;
+  const auto& row = std::get<std::vector<double>>(object.value(dh));
+  return placed * denavit_hartenberg(row[0] + std::get<double>(object.value(angle)), row[1], row[2], row[3]);
+}
+
+const Transform& Scene::world(const Object& object) {
+  if (object.place->current) return object.place->world;
+  // up to the first frame that is known, then down again
+  std::vector<const Object*> stale;
+  for (const Object* each = &object; each != nullptr && !each->place->current;
+       each = database_.object(each->place->parent))
+    stale.push_back(each);
+  for (auto each = stale.rbegin(); each != stale.rend(); ++each) {
+    Place& place = *(*each)->place;
+    const Object* above = database_.object(place.parent);
+    place.world = above == nullptr ? local(**each) : above->place->world * local(**each);
+    place.current = true;
+  }
+  return object.place->world;
+}
+
+ObjectId Scene::effective_parent(const Object& object) const {
+  const auto reference = static_cast<ObjectId>(std::get<std::int64_t>(object.value(parent)));
+  if (reference != 0) return reference;
+  for (const Object* above = database_.object(object.parent); above != nullptr; above = database_.object(above->parent))
+    if (above->place) return above->id;
+  return 0;
+}
+
+Status Scene::check_parent(const Object& object, ObjectId wanted) const {
+  for (const Object* above = database_.object(wanted); above != nullptr; above = database_.object(above->place->parent))
+    if (above == &object)
+      return Error{ErrorKind::range,
+                   object.path + ".parent: " + std::string(database_.path(wanted)) + " moves with " + object.path +
+                       " itself, expected a node outside of what it carries",
+                   0};
+  return {};
+}
+
+void Scene::link(Object& object) {
+  object.place->parent = effective_parent(object);
+  if (Object* above = database_.mutable_object(object.place->parent)) above->place->children.push_back(object.id);
+}
+
+void Scene::unlink(Object& object) {
+  if (Object* above = database_.mutable_object(object.place->parent)) std::erase(above->place->children, object.id);
+  object.place->parent = 0;
+}
+
+void Scene::created(Object& object) {
+  if (!object.type->is(*node_)) return;
+  if (!object.place) object.place = std::make_unique<Place>();
+  object.place->current = false;
+  link(object);
+}
+
+void Scene::erased(Object& object) {
+  if (object.place) unlink(object);
+}
+
+void Scene::changed(Object& object, int field) {
+  if (!object.place) return;
+  if (field == parent) {
+    unlink(object);
+    link(object);
+  } else if (field != position && field != orientation && !(is_joint(object) && (field == dh || field == angle))) {
+    return;
+  }
+  invalidate(object);
+}
+
+void Scene::invalidate(Object& object) {
+  // below a stale frame all frames are stale already
+  if (!object.place->current) return;
+  object.place->current = false;
+  database_.derived_changed(object, world_position);
+  database_.derived_changed(object, world_orientation);
+  for (const ObjectId child : object.place->children) invalidate(*database_.mutable_object(child));
+}
+
+}  // namespace objdb::scene

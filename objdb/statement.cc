@@ -1,0 +1,371 @@
+#include "objdb/statement.h"
+
+#include <algorithm>
+
+namespace objdb {
+namespace {
+
+// a line stays well below the limit of a channel, 64 KiB
+constexpr std::size_t longest_set = 48 * 1024;
+
+Error error_at(int column, ErrorKind kind, std::string sentence) { return {kind, std::move(sentence), column}; }
+
+Status parse_slice(Target& target, std::string_view text, int column) {
+  // "[3]" or "[0..9]"
+  const auto bad = [&] {
+    return error_at(column, ErrorKind::syntax, quote(text) + " is no element, expected [3] or [0..9]");
+  };
+  if (text.size() < 3 || text.back() != ']') return bad();
+  const std::string_view inside = text.substr(1, text.size() - 2);
+  const std::size_t dots = inside.find("..");
+  const Result<std::int64_t> first = parse_integer(inside.substr(0, dots));
+  const Result<std::int64_t> last = dots == std::string_view::npos ? first : parse_integer(inside.substr(dots + 2));
+  if (!first || !last || *first < 0 || *last < *first) return bad();
+  target.sliced = true;
+  target.first = static_cast<std::size_t>(*first);
+  target.last = static_cast<std::size_t>(*last);
+  return {};
+}
+
+// the value of a field after some of its elements were replaced
+Result<Value> replace_elements(const Object& object, const Field& field, const Target& target, Words words,
+                               const Names& names) {
+  if (!field.array)
+    return error_at(target.field_column, ErrorKind::type, field.name + " is a " + field.kind_text() + ", not an array");
+  const Value& old = object.value(object.type->find(field));
+  const std::size_t size = element_count(field, old);
+  const bool grows = field.count == Field::any_length;
+  if (target.first > size || (!grows && target.last >= size))
+    return error_at(
+        target.field_column, ErrorKind::range,
+        field.name + " has " + std::to_string(size) + " elements, no element " + std::to_string(target.last));
+  Field part = field;
+  part.count = static_cast<int>(target.last - target.first + 1);
+  const Result<Value> parsed = parse_value(part, words, names);
+  if (!parsed) return parsed.error();
+  Value value = old;
+  std::visit(
+      [&](auto& elements) {
+        using T = std::decay_t<decltype(elements)>;
+        if constexpr (std::is_same_v<T, std::vector<double>> || std::is_same_v<T, std::vector<std::int64_t>> ||
+                      std::is_same_v<T, std::vector<std::string>>) {
+          const T& fresh = std::get<T>(*parsed);
+          const std::size_t each =
+              std::is_same_v<T, std::vector<double>> ? static_cast<std::size_t>(words_of(field.kind)) : 1;
+          elements.resize(std::max(elements.size(), (target.last + 1) * each));
+          std::copy(fresh.begin(), fresh.end(), elements.begin() + static_cast<std::ptrdiff_t>(target.first * each));
+        }
+      },
+      value);
+  return value;
+}
+
+Result<Value> parse_for(const Database& database, const Object& object, int index, const Target& target, Words words,
+                        const Names& names, const Word& where) {
+  const Field& field = object.type->field(index);
+  if (field.derived)
+    return error_at(where.column, ErrorKind::owner,
+                    object.path + "." + field.name + " is computed from other fields and cannot be set");
+  Result<Value> value =
+      target.sliced ? replace_elements(object, field, target, words, names) : parse_value(field, words, names);
+  if (!value) {
+    Error error = value.error();
+    if (error.column == 0) error.column = where.column;
+    return error;
+  }
+  // text is checked as it is read; only references can still be wrong
+  if (field.holds_refs())
+    if (Status status = database.check(object, index, *value); !status)
+      return error_at(words[0].column, status.error().kind, status.error().sentence);
+  return value;
+}
+
+// references, so that everything they may name is there, and arrays, so that no line grows without limit
+bool later(const Field& field) { return field.holds_refs() || field.count == Field::any_length || field.count > 64; }
+
+bool is_default(const Object& object, int index) {
+  return same_bits(object.value(index), object.type->field(index).standard);
+}
+
+void append_declarations(std::string& out, const Schema& schema) {
+  // a second schema tells what is built in
+  static const Schema pristine;
+  for (const auto& type : schema.types()) {
+    if (schema.is_built_in(*type)) continue;
+    out += "type " + type->name();
+    if (type->base() != nullptr) out += " extends " + type->base()->name();
+    if (!type->doc().empty()) {
+      const std::string doc = quote(type->doc());
+      out += doc[0] == '"' ? " " + doc : " \"" + doc + "\"";
+    }
+    out += '\n';
+  }
+  for (const auto& type : schema.types())
+    for (const Field* field : type->fields()) {
+      if (field->owner != type.get()) continue;
+      const Type* known = pristine.find(type->name());
+      if (known != nullptr && known->find(field->name) >= 0) continue;
+      out += field->declaration() + '\n';
+    }
+}
+
+}  // namespace
+
+Result<ObjectId> ScopedNames::object(const Word& word, const Type* type) const {
+  if (!scope_.prefix.empty()) {
+    const std::string inner = scope_.resolve(word.text);
+    if (const Object* found = database_.find(inner)) {
+      if (type == nullptr || found->type->is(*type)) return found->id;
+      return database_.object({inner, word.column, word.quoted}, type);
+    }
+  }
+  return database_.object(word, type);
+}
+
+Result<Target> parse_target(const Word& word) {
+  Target target;
+  target.column = word.column;
+  std::string_view text = word.text;
+  const std::size_t dot = text.find('.');
+  target.pattern = text.substr(0, dot);
+  if (dot != std::string_view::npos) {
+    target.field = text.substr(dot + 1);
+    target.field_column = word.column + static_cast<int>(dot) + 1;
+    const std::size_t bracket = target.field.find('[');
+    if (bracket != std::string_view::npos) {
+      const std::string_view slice = target.field.substr(bracket);
+      target.field = target.field.substr(0, bracket);
+      if (Status status = parse_slice(target, slice, target.field_column + static_cast<int>(bracket)); !status)
+        return status.error();
+    }
+    if (target.field.empty() || (!is_name(target.field) && !is_pattern(target.field)))
+      return error_at(target.field_column, ErrorKind::syntax, quote(target.field) + " is not the name of a field");
+  }
+  if (target.pattern.empty()) return error_at(word.column, ErrorKind::syntax, quote(text) + " names no object");
+  if (!is_pattern(target.pattern) && !is_path(target.pattern))
+    return error_at(word.column, ErrorKind::syntax, quote(target.pattern) + " is not a path (names joined by '/')");
+  return target;
+}
+
+Result<const Object*> find_object(const Database& database, const Word& word, const Scope& scope) {
+  if (scope.prefix.empty()) {
+    if (const Object* found = database.find(word.text)) return found;
+  } else if (const Object* found = database.find(scope.resolve(word.text))) {
+    return found;
+  }
+  const std::string path = scope.resolve(word.text);
+  const Result<ObjectId> id = database.object({path, word.column, word.quoted}, nullptr);
+  if (!id) return id.error();
+  return database.object(*id);
+}
+
+Result<int> find_field(const Object& object, std::string_view field, int column) {
+  const int index = object.type->find(field);
+  if (index >= 0) return index;
+  return error_at(
+      column, ErrorKind::unknown,
+      object.path + " (" + object.type->name() + ") has no field " + std::string(field) + object.type->hint(field));
+}
+
+Result<std::vector<const Object*>> find_objects(const Database& database, std::string_view pattern, int column,
+                                                const Scope& scope) {
+  std::vector<const Object*> out;
+  if (!is_pattern(pattern)) {
+    const Result<const Object*> one = find_object(database, {pattern, column, false}, scope);
+    if (!one) return one.error();
+    out.push_back(*one);
+    return out;
+  }
+  database.for_each(scope.resolve(pattern), [&](const Object& object) { out.push_back(&object); });
+  if (out.empty()) return error_at(column, ErrorKind::unknown, "no object fits " + std::string(pattern));
+  return out;
+}
+
+Result<ObjectId> create_statement(Database& database, Words words, const Scope& scope) {
+  if (words.size() < 2)
+    return Error{ErrorKind::syntax, "expected create TYPE PATH {FIELD VALUE...}", words.empty() ? 0 : words[0].column};
+  const Result<const Type*> type = database.schema().type(words[0]);
+  if (!type) return type.error();
+  const ScopedNames names(database, scope);
+
+  // every value is read before the object is made
+  std::vector<std::pair<int, Value>> values;
+  for (std::size_t at = 2; at < words.size();) {
+    const Word& name = words[at++];
+    const int index = name.quoted ? -1 : (*type)->find(name.text);
+    if (index < 0)
+      return error_at(name.column, ErrorKind::unknown,
+                      (*type)->name() + " has no field " + quote(name.text) + (*type)->hint(name.text));
+    const Field& field = (*type)->field(index);
+    if (field.derived)
+      return error_at(name.column, ErrorKind::owner, field.name + " is computed from other fields and cannot be set");
+    if (std::any_of(values.begin(), values.end(), [&](const auto& each) { return each.first == index; }))
+      return error_at(name.column, ErrorKind::exists, field.name + " is given twice");
+    std::size_t count = 0;
+    if (const int fixed = word_count(field); fixed >= 0) {
+      count = std::min(words.size() - at, static_cast<std::size_t>(fixed));
+    } else {
+      while (at + count < words.size() && (words[at + count].quoted || (*type)->find(words[at + count].text) < 0))
+        ++count;
+    }
+    Result<Value> value = parse_value(field, words.subspan(at, count), names);
+    if (!value) {
+      Error error = value.error();
+      if (error.column == 0) error.column = name.column;
+      return error;
+    }
+    values.emplace_back(index, std::move(*value));
+    at += count;
+  }
+
+  const Result<ObjectId> id = database.create(**type, scope.resolve(words[1].text));
+  if (!id) return error_at(words[1].column, id.error().kind, id.error().sentence);
+  const Object& object = *database.object(*id);
+  for (auto& [index, value] : values) database.assign(object, index, std::move(value));
+  return *id;
+}
+
+Status set_statement(Database& database, Words words, const Scope& scope, Gate* gate) {
+  if (words.size() < 2)
+    return Error{ErrorKind::syntax, "expected set PATH.FIELD VALUE...", words.empty() ? 0 : words[0].column};
+  const Result<Target> target = parse_target(words[0]);
+  if (!target) return target.error();
+  if (target->field.empty())
+    return error_at(words[0].column, ErrorKind::syntax, quote(words[0].text) + " names no field, expected PATH.FIELD");
+  if (is_pattern(target->field))
+    return error_at(target->field_column, ErrorKind::syntax,
+                    quote(target->field) + " is a pattern, expected one field");
+  const ScopedNames names(database, scope);
+  const Words values = words.subspan(1);
+
+  if (!is_pattern(target->pattern)) {
+    const Result<const Object*> object = find_object(database, {target->pattern, words[0].column, false}, scope);
+    if (!object) return object.error();
+    const Result<int> index = find_field(**object, target->field, target->field_column);
+    if (!index) return index.error();
+    if (gate != nullptr)
+      if (Status status = gate->may_write(**object, *index); !status)
+        return error_at(words[0].column, status.error().kind, status.error().sentence);
+    Result<Value> value = parse_for(database, **object, *index, *target, values, names, words[0]);
+    if (!value) return value.error();
+    database.assign(**object, *index, std::move(*value));
+    return {};
+  }
+
+  const Result<std::vector<const Object*>> objects = find_objects(database, target->pattern, words[0].column, scope);
+  if (!objects) return objects.error();
+  struct Write {
+    const Object* object;
+    int field;
+    Value value;
+  };
+  std::vector<Write> writes;
+  for (const Object* object : *objects) {
+    const int index = object->type->find(target->field);
+    if (index < 0) continue;
+    if (gate != nullptr)
+      if (Status status = gate->may_write(*object, index); !status)
+        return error_at(words[0].column, status.error().kind, status.error().sentence);
+    Result<Value> value = parse_for(database, *object, index, *target, values, names, words[0]);
+    if (!value) return value.error();
+    writes.push_back({object, index, std::move(*value)});
+  }
+  if (writes.empty())
+    return error_at(
+        target->field_column, ErrorKind::unknown,
+        "no object that fits " + std::string(target->pattern) + " has a field " + std::string(target->field));
+  // several parents at once may close a circle that none closes alone: check again as they are written
+  for (std::size_t i = 0; i < writes.size(); ++i) {
+    const Field& field = writes[i].object->type->field(writes[i].field);
+    if (field.holds_refs())
+      if (Status status = database.check(*writes[i].object, writes[i].field, writes[i].value); !status) {
+        while (i-- > 0) database.assign(*writes[i].object, writes[i].field, std::move(writes[i].value));
+        return error_at(values[0].column, status.error().kind, status.error().sentence);
+      }
+    Value old = writes[i].object->value(writes[i].field);
+    database.assign(*writes[i].object, writes[i].field, std::move(writes[i].value));
+    writes[i].value = std::move(old);
+  }
+  return {};
+}
+
+Status delete_statement(Database& database, Words words, const Scope& scope) {
+  const bool force = words.size() == 2 && !words[1].quoted && words[1].text == "force";
+  if (words.empty() || words.size() > (force ? 2u : 1u))
+    return Error{ErrorKind::syntax, "expected delete PATTERN [force]", words.empty() ? 0 : words.back().column};
+  const Result<Target> target = parse_target(words[0]);
+  if (!target) return target.error();
+  if (!target->field.empty())
+    return error_at(target->field_column, ErrorKind::syntax,
+                    "a field cannot be deleted, expected the path of an object");
+  const Result<std::vector<const Object*>> objects = find_objects(database, target->pattern, words[0].column, scope);
+  if (!objects) return objects.error();
+  std::vector<ObjectId> ids;
+  for (const Object* object : *objects) ids.push_back(object->id);
+  if (Status status = database.erase(std::move(ids), force); !status)
+    return error_at(words[0].column, status.error().kind, status.error().sentence);
+  return {};
+}
+
+void append_create(std::string& out, const Database& database, const Object& object,
+                   const std::function<bool(const Field&)>& include) {
+  out += "create " + object.type->name() + " " + object.path;
+  for (int i = 0; i < static_cast<int>(object.slots.size()); ++i) {
+    const Field& field = object.type->field(i);
+    if (field.derived || later(field) || !include(field) || is_default(object, i)) continue;
+    out += " " + field.name + " ";
+    append_value(out, field, object.value(i), database);
+  }
+  out += '\n';
+}
+
+void append_later_sets(std::string& out, const Database& database, const Object& object,
+                       const std::function<bool(const Field&)>& include) {
+  for (int i = 0; i < static_cast<int>(object.slots.size()); ++i) {
+    const Field& field = object.type->field(i);
+    if (!field.derived && later(field) && include(field) && !is_default(object, i))
+      append_set(out, database, object, i);
+  }
+}
+
+void append_set(std::string& out, const Database& database, const Object& object, int field) {
+  const Field& declared = object.type->field(field);
+  const Value value = database.value(object, field);
+  const std::string head = "set " + object.path + "." + declared.name;
+  if (!declared.array) {
+    out += head + " ";
+    append_value(out, declared, value, database);
+    out += '\n';
+    return;
+  }
+  const std::size_t count = element_count(declared, value);
+  std::string words;
+  std::size_t first = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    words += ' ';
+    append_element(words, declared, value, i, database);
+    const bool last = i + 1 == count;
+    if (!last && words.size() < longest_set) continue;
+    // the first run says the whole value, so that what was there before is gone; the others go on from its end
+    if (first == 0 && last)
+      out += head + words + '\n';
+    else if (first == 0 && declared.count == Field::any_length)
+      out += head + words + '\n';
+    else
+      out += head + "[" + std::to_string(first) + ".." + std::to_string(i) + "]" + words + '\n';
+    words.clear();
+    first = i + 1;
+  }
+  if (count == 0) out += head + " -\n";
+}
+
+std::string save(const Database& database) {
+  std::string out;
+  append_declarations(out, database.schema());
+  const auto kept = [](const Field& field) { return !field.measured; };
+  database.for_each("**", [&](const Object& object) { append_create(out, database, object, kept); });
+  database.for_each("**", [&](const Object& object) { append_later_sets(out, database, object, kept); });
+  return out;
+}
+
+}  // namespace objdb

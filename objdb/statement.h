@@ -1,0 +1,77 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "objdb/database.h"
+
+/// The lines that make and change a world: said by people, scripts, files and programs, and told to every mirror.
+namespace objdb {
+
+/// Paths of a script that is read `under` a place are relative to it.
+struct Scope {
+  std::string prefix;  ///< "" or "sailor/"
+
+  /// A path or pattern as the database knows it.
+  std::string resolve(std::string_view path) const { return prefix + std::string(path); }
+};
+
+/// Names within a scope: a reference is looked up below the prefix first, then from the top.
+class ScopedNames : public Names {
+ public:
+  ScopedNames(const Database& database, const Scope& scope) : database_(database), scope_(scope) {}
+  Result<ObjectId> object(const Word& word, const Type* type) const override;
+  std::string_view path(ObjectId id) const override { return database_.path(id); }
+
+ private:
+  const Database& database_;
+  const Scope& scope_;
+};
+
+/// Who asks may be refused: a program writes only what it declared and nobody else owns.
+class Gate {
+ public:
+  virtual ~Gate() = default;
+  virtual Status may_write(const Object& object, int field) = 0;
+};
+
+/// "PATTERN", "PATTERN.FIELD", "PATH.FIELD[3]", "PATH.FIELD[0..9]".
+struct Target {
+  std::string_view pattern;
+  std::string_view field;  ///< empty: all; may hold '*'
+  bool sliced = false;
+  std::size_t first = 0, last = 0;  ///< elements, both included
+  int column = 0;
+  int field_column = 0;
+};
+Result<Target> parse_target(const Word& word);
+
+/// The object at a path. Errors: syntax, unknown.
+Result<const Object*> find_object(const Database& database, const Word& word, const Scope& scope);
+/// The field of an object, as an index. Error unknown with a hint.
+Result<int> find_field(const Object& object, std::string_view field, int column);
+/// Every object that fits a pattern, in order of creation. A pattern without a match is error unknown.
+Result<std::vector<const Object*>> find_objects(const Database& database, std::string_view pattern, int column,
+                                                const Scope& scope);
+
+/// The words after the verb of: `create TYPE PATH {FIELD VALUE...}`.
+Result<ObjectId> create_statement(Database& database, Words words, const Scope& scope);
+/// The words after the verb of: `set PATTERN.FIELD VALUE...`, also of one element `[17]` or a run of them `[0..9]`.
+Status set_statement(Database& database, Words words, const Scope& scope, Gate* gate = nullptr);
+/// The words after the verb of: `delete PATTERN [force]`.
+Status delete_statement(Database& database, Words words, const Scope& scope);
+
+/// `create TYPE PATH FIELD VALUE ...` with every field that `include` accepts and that differs from its default;
+/// references and long arrays are left to append_later_sets.
+void append_create(std::string& out, const Database& database, const Object& object,
+                   const std::function<bool(const Field&)>& include);
+/// `set PATH.FIELD VALUE ...` lines of what append_create left out.
+void append_later_sets(std::string& out, const Database& database, const Object& object,
+                       const std::function<bool(const Field&)>& include);
+/// `set PATH.FIELD VALUE...`, in several lines when one would be too long.
+void append_set(std::string& out, const Database& database, const Object& object, int field);
+
+/// The whole world as a script: types, fields, objects, references. Reading it gives the same hash.
+std::string save(const Database& database);
+
+}  // namespace objdb

@@ -1,0 +1,253 @@
+#include "objdb/text.h"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+
+namespace objdb {
+namespace {
+
+Error syntax_error(std::string sentence, std::size_t at) {
+  return {ErrorKind::syntax, std::move(sentence), static_cast<int>(at) + 1};
+}
+
+bool is_blank(char c) { return c == ' ' || c == '\t'; }
+
+std::string hexadecimal(unsigned char byte) {
+  static constexpr char digits[] = "0123456789abcdef";
+  return std::string("0x") + digits[byte >> 4] + digits[byte & 15];
+}
+
+// length of the valid UTF-8 sequence at `at`, 0 when there is none (RFC 3629, table of well-formed sequences)
+std::size_t utf8_length(std::string_view s, std::size_t at) {
+  const auto byte = [&](std::size_t i) { return i < s.size() ? static_cast<unsigned char>(s[i]) : 0u; };
+  const auto tail = [&](std::size_t i) { return (byte(i) & 0xc0u) == 0x80u; };
+  const unsigned first = byte(at), second = byte(at + 1);
+  if (first >= 0xc2 && first <= 0xdf) return tail(at + 1) ? 2 : 0;
+  if (first >= 0xe0 && first <= 0xef) {
+    const unsigned low = first == 0xe0 ? 0xa0u : 0x80u, high = first == 0xed ? 0x9fu : 0xbfu;
+    return second >= low && second <= high && tail(at + 2) ? 3 : 0;
+  }
+  if (first >= 0xf0 && first <= 0xf4) {
+    const unsigned low = first == 0xf0 ? 0x90u : 0x80u, high = first == 0xf4 ? 0x8fu : 0xbfu;
+    return second >= low && second <= high && tail(at + 2) && tail(at + 3) ? 4 : 0;
+  }
+  return 0;
+}
+
+// control bytes and broken UTF-8 are refused wherever they stand, also inside quotes and comments
+Status check_bytes(std::string_view line) {
+  for (std::size_t i = 0; i < line.size();) {
+    const auto byte = static_cast<unsigned char>(line[i]);
+    if (byte >= 0x20 && byte < 0x7f) {
+      ++i;
+    } else if (byte == '\t') {
+      ++i;
+    } else if (byte < 0x80) {
+      return syntax_error("control byte " + hexadecimal(byte) + ", expected printable text", i);
+    } else if (const std::size_t length = utf8_length(line, i)) {
+      i += length;
+    } else {
+      return syntax_error("byte " + hexadecimal(byte) + " is not valid UTF-8", i);
+    }
+  }
+  return {};
+}
+
+}  // namespace
+
+Status LineWords::split(std::string_view line) {
+  tag_ = {};
+  words_.clear();
+  unescaped_.clear();
+  if (!line.empty() && line.back() == '\r') line.remove_suffix(1);
+  if (Status bytes = check_bytes(line); !bytes) return bytes;
+
+  std::size_t at = 0;
+  while (true) {
+    while (at < line.size() && is_blank(line[at])) ++at;
+    if (at == line.size() || line[at] == '#') break;
+    if (line[at] == '"') {
+      if (Status word = quoted_word(line, at); !word) return word;
+      continue;
+    }
+    const std::size_t start = at;
+    while (at < line.size() && !is_blank(line[at])) {
+      if (line[at] == '"') return syntax_error("a quote inside a bare word, expected a blank before it", at);
+      ++at;
+    }
+    const std::string_view text = line.substr(start, at - start);
+    if (words_.empty() && tag_.empty() && text[0] == '@') {
+      if (text.size() == 1) return syntax_error("an empty tag, expected a word after '@'", start);
+      tag_ = text.substr(1);
+    } else {
+      words_.push_back({text, static_cast<int>(start) + 1, false});
+    }
+  }
+  if (!tag_.empty() && words_.empty()) return syntax_error("a tag without a command", 0);
+  return {};
+}
+
+Status LineWords::quoted_word(std::string_view line, std::size_t& at) {
+  const std::size_t open = at++;
+  const std::size_t close = line.find_first_of("\"\\", at);
+  if (close == std::string_view::npos) return syntax_error("a quote is not closed", open);
+
+  std::string_view text;
+  if (line[close] == '"') {
+    text = line.substr(at, close - at);
+    at = close + 1;
+  } else {
+    // undone escapes live in one buffer that is never moved: it never outgrows the line
+    unescaped_.reserve(line.size());
+    const std::size_t start = unescaped_.size();
+    while (true) {
+      if (at == line.size()) return syntax_error("a quote is not closed", open);
+      const char c = line[at];
+      if (c == '"') break;
+      if (c != '\\') {
+        unescaped_ += c;
+        ++at;
+        continue;
+      }
+      const char escape = at + 1 < line.size() ? line[at + 1] : '\0';
+      switch (escape) {
+        case 'n': unescaped_ += '\n'; break;
+        case 't': unescaped_ += '\t'; break;
+        case '"':
+        case '\\': unescaped_ += escape; break;
+        case '\0': return syntax_error("a quote is not closed", open);
+        default: return syntax_error(std::string("unknown escape \\") + escape + R"(, expected \" \\ \n or \t)", at);
+      }
+      at += 2;
+    }
+    ++at;
+    text = std::string_view(unescaped_).substr(start);
+  }
+  if (at < line.size() && !is_blank(line[at])) return syntax_error("expected a blank after the closing quote", at);
+  words_.push_back({text, static_cast<int>(open) + 1, true});
+  return {};
+}
+
+void append_quoted(std::string& out, std::string_view text) {
+  const bool bare = !text.empty() && text != "-" && text[0] != '#' && text[0] != '@' &&
+                    text.find_first_of(" \t\n\"\\") == std::string_view::npos;
+  if (bare) {
+    out += text;
+    return;
+  }
+  out += '"';
+  for (const char c : text) {
+    if (c == '\n')
+      out += "\\n";
+    else if (c == '\t')
+      out += "\\t";
+    else if (c == '"' || c == '\\')
+      (out += '\\') += c;
+    else
+      out += c;
+  }
+  out += '"';
+}
+
+std::string quote(std::string_view text) {
+  std::string out;
+  append_quoted(out, text);
+  return out;
+}
+
+void append_number(std::string& out, double value) {
+  std::array<char, 32> buffer;
+  const auto end = std::to_chars(buffer.data(), buffer.data() + buffer.size(), value).ptr;
+  out.append(buffer.data(), end);
+}
+
+void append_number(std::string& out, std::int64_t value) {
+  std::array<char, 24> buffer;
+  const auto end = std::to_chars(buffer.data(), buffer.data() + buffer.size(), value).ptr;
+  out.append(buffer.data(), end);
+}
+
+std::string number(double value) {
+  std::string out;
+  append_number(out, value);
+  return out;
+}
+
+bool is_name(std::string_view text) {
+  if (text.empty() || (text[0] >= '0' && text[0] <= '9')) return false;
+  return std::all_of(text.begin(), text.end(), [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_';
+  });
+}
+
+bool is_path(std::string_view text) {
+  while (true) {
+    const std::size_t slash = text.find('/');
+    if (!is_name(text.substr(0, slash))) return false;
+    if (slash == std::string_view::npos) return true;
+    text.remove_prefix(slash + 1);
+  }
+}
+
+bool is_pattern(std::string_view text) { return text.find('*') != std::string_view::npos; }
+
+bool matches(std::string_view pattern, std::string_view text) {
+  // greedy matching with one point of return for '*' and one for "**": linear in practice, never exponential
+  constexpr std::size_t none = std::string_view::npos;
+  std::size_t p = 0, t = 0, star_p = none, star_t = 0, deep_p = none, deep_t = 0;
+  while (true) {
+    if (p < pattern.size() && pattern[p] == '*') {
+      const bool deep = p + 1 < pattern.size() && pattern[p + 1] == '*';
+      (deep ? deep_p : star_p) = p + (deep ? 2 : 1);
+      (deep ? deep_t : star_t) = t;
+      if (deep) star_p = none;
+      p += deep ? 2 : 1;
+    } else if (p == pattern.size() && t == text.size()) {
+      return true;
+    } else if (p < pattern.size() && t < text.size() && pattern[p] == text[t]) {
+      ++p, ++t;
+    } else if (star_p != none && star_t < text.size() && text[star_t] != '/') {
+      p = star_p;
+      t = ++star_t;
+    } else if (deep_p != none && deep_t < text.size()) {
+      p = deep_p;
+      t = ++deep_t;
+      star_p = none;
+    } else {
+      return false;
+    }
+  }
+}
+
+std::string_view nearest(std::string_view text, std::span<const std::string_view> candidates) {
+  std::string_view best;
+  std::size_t best_distance = text.size() / 3 + 1;
+  std::vector<std::size_t> row;
+  for (const std::string_view candidate : candidates) {
+    // Levenshtein distance, one row at a time
+    row.resize(candidate.size() + 1);
+    for (std::size_t j = 0; j < row.size(); ++j) row[j] = j;
+    for (std::size_t i = 0; i < text.size(); ++i) {
+      std::size_t diagonal = row[0];
+      row[0] = i + 1;
+      for (std::size_t j = 0; j < candidate.size(); ++j) {
+        const std::size_t substitution = diagonal + (text[i] == candidate[j] ? 0 : 1);
+        diagonal = row[j + 1];
+        row[j + 1] = std::min({substitution, row[j] + 1, row[j + 1] + 1});
+      }
+    }
+    if (row.back() < best_distance) {
+      best_distance = row.back();
+      best = candidate;
+    }
+  }
+  return best;
+}
+
+std::string did_you_mean(std::string_view text, std::span<const std::string_view> candidates) {
+  const std::string_view best = nearest(text, candidates);
+  return best.empty() ? std::string() : ", did you mean " + std::string(best) + "?";
+}
+
+}  // namespace objdb

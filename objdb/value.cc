@@ -1,0 +1,57 @@
+#include "objdb/value.h"
+
+#include <bit>
+#include <cstring>
+
+namespace objdb {
+
+std::string_view name_of(Kind kind) {
+  static constexpr std::array<std::string_view, 8> names = {"bool", "int",  "real", "vec3",
+                                                            "quat", "word", "text", "ref"};
+  return names[static_cast<std::size_t>(kind)];
+}
+
+int words_of(Kind kind) { return kind == Kind::vec3 ? 3 : kind == Kind::quat ? 4 : 1; }
+
+bool same_bits(const Value& a, const Value& b) {
+  if (a.index() != b.index()) return false;
+  return std::visit(
+      [&](const auto& left) {
+        using T = std::decay_t<decltype(left)>;
+        const T& right = *std::get_if<T>(&b);
+        if constexpr (std::is_same_v<T, double>) {
+          return std::bit_cast<std::uint64_t>(left) == std::bit_cast<std::uint64_t>(right);
+        } else if constexpr (std::is_same_v<T, Vec3> || std::is_same_v<T, Quat>) {
+          return std::memcmp(left.data(), right.data(), sizeof(T)) == 0;
+        } else if constexpr (std::is_same_v<T, std::vector<double>>) {
+          return left.size() == right.size() &&
+                 (left.empty() || std::memcmp(left.data(), right.data(), left.size() * sizeof(double)) == 0);
+        } else {
+          return left == right;
+        }
+      },
+      a);
+}
+
+std::uint64_t hash_word(std::uint64_t hash, std::uint64_t word) {
+  // one round of the splitmix64 finalizer (Steele, Lea & Flood 2014)
+  hash = (hash ^ word) + 0x9e3779b97f4a7c15ull;
+  hash = (hash ^ (hash >> 30)) * 0xbf58476d1ce4e5b9ull;
+  hash = (hash ^ (hash >> 27)) * 0x94d049bb133111ebull;
+  return hash ^ (hash >> 31);
+}
+
+std::uint64_t hash_text(std::string_view text, std::uint64_t seed) {
+  std::uint64_t hash = hash_word(seed, text.size());
+  while (!text.empty()) {
+    // eight bytes at a time, little end first whatever the machine
+    std::uint64_t word = 0;
+    const std::size_t n = text.size() < 8 ? text.size() : 8;
+    for (std::size_t i = 0; i < n; ++i) word |= std::uint64_t{static_cast<unsigned char>(text[i])} << (8 * i);
+    hash = hash_word(hash, word);
+    text.remove_prefix(n);
+  }
+  return hash;
+}
+
+}  // namespace objdb

@@ -1,0 +1,135 @@
+#include "manipulators/face_fem/factor.h"
+
+#include <cmath>
+#include <string>
+
+#include "manipulators/face_fem/clock.h"
+#include "manipulators/face_fem/numeric.h"
+
+namespace face {
+
+struct Factor::Content {
+  Symbolic symbolic;
+  std::vector<std::array<bool, 3>> held;
+  Panels<double> L;
+  mutable Panels<float> single;
+  FactorCost cost;
+};
+
+namespace {
+
+constexpr double least_rcond = 1e-12;
+
+/// a field in elimination order, held axes as zero
+template <class Real>
+void put_in_order(const Symbolic& s, const std::vector<std::array<bool, 3>>& held, const double* f, Real* x) {
+  for (int k = 0; k < s.free_nodes(); ++k)
+    for (int i = 0; i < 3; ++i) x[3 * k + i] = held[s.node[k]][i] ? Real(0) : Real(f[3 * std::size_t(s.node[k]) + i]);
+}
+
+template <class Real>
+void put_back(const Symbolic& s, const Real* x, double* u) {
+  for (int k = 0; k < s.free_nodes(); ++k)
+    for (int i = 0; i < 3; ++i) u[3 * std::size_t(s.node[k]) + i] = x[3 * k + i];
+}
+
+std::vector<double> diagonal(const Symbolic& s, const Panels<double>& L) {
+  std::vector<double> entries;
+  entries.reserve(3 * std::size_t(s.free_nodes()));
+  for (int k = 0; k < s.supernodes(); ++k)
+    for (int c = 0; c < 3 * s.columns(k); ++c)
+      entries.push_back(L[s.panel_start[k] + std::size_t(c) * (3 * s.rows(k) + 1)]);
+  return entries;
+}
+
+}  // namespace
+
+Factor::Factor(std::unique_ptr<Content> content) : content_(std::move(content)) {}
+Factor::Factor(Factor&&) noexcept = default;
+Factor& Factor::operator=(Factor&&) noexcept = default;
+Factor::~Factor() = default;
+
+Result<Factor> Factor::make(const Stiffness& K, const std::vector<std::array<bool, 3>>& held,
+                            const FactorOptions& options) {
+  auto content = std::make_unique<Content>();
+  content->held = held;
+  // nodes of no element have no diagonal and stay where they are
+  std::vector<bool> free(K.nodes);
+  for (int n = 0; n < K.nodes; ++n) free[n] = K.start[n + 1] > K.start[n] && !(held[n][0] && held[n][1] && held[n][2]);
+  const double begin = cpu_seconds();
+  auto symbolic = analyse(K, free, options.order);
+  if (!symbolic) return symbolic.error();
+  content->symbolic = std::move(*symbolic);
+  const double ordered = cpu_seconds();
+  const Ordered A = put_in_order(K, held, content->symbolic);
+  auto L = options.elimination == Elimination::fronts ? eliminate_fronts(A, content->symbolic)
+                                                      : eliminate_cholmod(A, content->symbolic);
+  if (!L) return L.error();
+  content->L = std::move(*L);
+  content->cost = {ordered - begin, cpu_seconds() - ordered, content->symbolic.nonzeros, content->symbolic.flops,
+                   8.0 * double(content->L.size())};
+  Factor factor(std::move(content));
+  const double rcond = factor.rcond();
+  if (!(rcond >= least_rcond)) {
+    // the degree of freedom with the smallest pivot shows where the mechanism is
+    const std::vector<double> d = diagonal(factor.symbolic(), factor.content_->L);
+    int weakest = 0;
+    for (int k = 0; k < int(d.size()); ++k)
+      if (!(d[k] >= d[weakest])) weakest = k;
+    return Error{Fault::conditioning,
+                 "reciprocal condition must be at least 1e-12, is " + std::to_string(rcond) +
+                     ": something can move without resistance",
+                 factor.symbolic().node[weakest / 3]};
+  }
+  return factor;
+}
+
+Field Factor::solve(const Field& f) const {
+  const Symbolic& s = content_->symbolic;
+  std::vector<double> x(3 * std::size_t(s.free_nodes()));
+  put_in_order(s, content_->held, f.data(), x.data());
+  forward(s, content_->L, x.data());
+  backward(s, content_->L, x.data());
+  Field u = Field::Zero(3, f.cols());
+  put_back(s, x.data(), u.data());
+  return u;
+}
+
+Field Factor::solve_single(const Field& f) const {
+  const Symbolic& s = content_->symbolic;
+  if (content_->single.empty()) content_->single.assign(content_->L.begin(), content_->L.end());
+  std::vector<float> x(3 * std::size_t(s.free_nodes()));
+  put_in_order(s, content_->held, f.data(), x.data());
+  forward(s, content_->single, x.data());
+  backward(s, content_->single, x.data());
+  Field u = Field::Zero(3, f.cols());
+  put_back(s, x.data(), u.data());
+  return u;
+}
+
+void Factor::solve_all(Eigen::Ref<Eigen::MatrixXd> columns) const {
+  const Symbolic& s = content_->symbolic;
+  Eigen::MatrixXd x(3 * s.free_nodes(), columns.cols());
+  for (int c = 0; c < columns.cols(); ++c) put_in_order(s, content_->held, columns.col(c).data(), x.col(c).data());
+  solve_many(s, content_->L, x.data(), static_cast<int>(x.cols()));
+  columns.setZero();
+  for (int c = 0; c < columns.cols(); ++c) put_back(s, x.col(c).data(), columns.col(c).data());
+}
+
+double Factor::rcond() const {
+  const std::vector<double> d = diagonal(content_->symbolic, content_->L);
+  if (d.empty()) return 1;
+  double low = HUGE_VAL, high = 0;
+  for (double entry : d) {
+    // a NaN must not hide between the others
+    if (!std::isfinite(entry)) return 0;
+    low = std::min(low, entry);
+    high = std::max(high, entry);
+  }
+  return low * low / (high * high);
+}
+
+const FactorCost& Factor::cost() const { return content_->cost; }
+const Symbolic& Factor::symbolic() const { return content_->symbolic; }
+
+}  // namespace face

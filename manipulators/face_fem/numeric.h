@@ -1,0 +1,36 @@
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "manipulators/face_fem/ordering.h"
+#include "manipulators/face_fem/stiffness.h"
+
+namespace face {
+
+/// The free part of K in the order of elimination: blocks of the lower triangle by columns, held axes of partly held
+/// nodes cut out (their diagonal entry stays, so that they solve to zero for a zero load).
+struct Ordered {
+  std::vector<int> start;     ///< #free + 1
+  std::vector<int> row;       ///< places
+  std::vector<double> block;  ///< 9 an entry, row-major
+};
+Ordered put_in_order(const Stiffness& K, const std::vector<std::array<bool, 3>>& held, const Symbolic& symbolic);
+
+/// The error of a pivot (row in elimination order) that is not positive.
+Error bad_pivot(const Symbolic& symbolic, int pivot);
+
+/// Numbers of L. Error `indefinite` names the node and axis whose pivot is not positive.
+Result<Panels<double>> eliminate_fronts(const Ordered& A, const Symbolic& symbolic);
+Result<Panels<double>> eliminate_cholmod(const Ordered& A, const Symbolic& symbolic);
+
+/// L x = b, then L^T x = b, for one right-hand side in elimination order (3 #free numbers), in place.
+void forward(const Symbolic& symbolic, const Panels<double>& L, double* x);
+void backward(const Symbolic& symbolic, const Panels<double>& L, double* x);
+void forward(const Symbolic& symbolic, const Panels<float>& L, float* x);
+void backward(const Symbolic& symbolic, const Panels<float>& L, float* x);
+
+/// Both, for `count` right-hand sides; x is column-major 3 #free by count.
+void solve_many(const Symbolic& symbolic, const Panels<double>& L, double* x, int count);
+
+}  // namespace face

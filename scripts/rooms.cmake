@@ -1,6 +1,9 @@
 # Rooms of the house: a folder is a library, an executable when it holds a main.cc, and a test program
 # when tests/ mirrors it. New files are picked up by name; nothing here is edited to add one.
 
+# every executable but tests and benchmarks: what the demo needs
+add_custom_target(programs)
+
 # room(NAME [LINKS lib...] [PRIVATE lib...])
 #   Every .cc of the current folder but main.cc becomes the static library NAME (or NAME_core beside an executable),
 #   main.cc the executable NAME, tests/<same path>/*_test.cc the test program NAME_test,
@@ -18,6 +21,7 @@ function(room NAME)
     list(REMOVE_ITEM sources main.cc)
     set(library ${NAME}_core)
     add_executable(${NAME} main.cc)
+    add_dependencies(programs ${NAME})
     if(sources)
       target_link_libraries(${NAME} PRIVATE ${library})
     else()

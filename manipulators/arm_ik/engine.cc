@@ -1,0 +1,57 @@
+#include "manipulators/arm_ik/engine.h"
+
+#include "manipulators/arm_ik/clamped.h"
+
+namespace arm_ik {
+
+namespace {
+
+// joint speed [rad a step] of the slow reference
+constexpr double clamped_rate = 0.1;
+
+}  // namespace
+
+Engine::Engine(const kinematics::Chain& chain) : solver_(chain) {}
+
+bool Engine::offers(Method method, std::string& why_not) const {
+  if (method != Method::limb && method != Method::rhythm) return true;
+  why_not = "needs the eleven-freedom human arm";
+  return false;
+}
+
+void Engine::prepare(Method method) {
+  if (method != Method::full && method != Method::clamped) solver_.prepare();
+}
+
+Solution Engine::solve(Method method, const Goal& goal, const SolveOptions& options, std::span<double> q) {
+  switch (method) {
+    case Method::full: return solver_.full(goal, options, q);
+    case Method::reach: return solver_.reach(goal, options, q);
+    case Method::polish: return polish(goal, options, q);
+    case Method::clamped: return clamped_least_squares(solver_, goal, options, clamped_rate, q);
+    case Method::limb:
+    case Method::rhythm:
+    case Method::automatic: break;
+  }
+  return automatic(goal, options, q);
+}
+
+Solution Engine::automatic(const Goal& goal, const SolveOptions& options, std::span<double> q) {
+  return solver_.full_then_reach(goal, options, q);
+}
+
+Solution Engine::polish(const Goal& goal, const SolveOptions& options, std::span<double> q) {
+  Solution out = solver_.full_then_reach(goal, options, q);
+  out.method = Method::polish;
+  if (out.status != Status::reached) return out;
+  // no tolerance is small enough: the descent ends when rounding lets no step lower the error
+  SolveOptions exact = options;
+  exact.position_tolerance = exact.rotation_tolerance = 0;
+  const Solution last = solver_.full(goal, exact, q);
+  out.position_error = last.position_error;
+  out.rotation_error = last.rotation_error;
+  out.iterations += last.iterations;
+  return out;
+}
+
+}  // namespace arm_ik

@@ -1,0 +1,84 @@
+#pragma once
+
+#include <cstdint>
+
+// Vectors of doubles in the compiler's own extension: plain elementwise arithmetic, so a program gives the same bits
+// whether the processor has two, four or eight lanes. Nothing here calls the mathematics library, whose last bits
+// differ between processors. Everything is inlined into functions that carry the target attribute.
+
+#define ARM_IK_INLINE [[gnu::always_inline]] inline
+
+namespace arm_ik {
+
+template <int N>
+struct Lanes {
+  typedef double Real __attribute__((vector_size(8 * N)));
+  typedef std::int64_t Mask __attribute__((vector_size(8 * N)));
+};
+using Real4 = Lanes<4>::Real;
+using Mask4 = Lanes<4>::Mask;
+using Real8 = Lanes<8>::Real;
+using Mask8 = Lanes<8>::Mask;
+
+template <int N>
+ARM_IK_INLINE typename Lanes<N>::Real fill(double value) {
+  return value - typename Lanes<N>::Real{};
+}
+
+template <int N>
+ARM_IK_INLINE typename Lanes<N>::Real load(const double* from) {
+  typename Lanes<N>::Real out;
+  __builtin_memcpy(&out, from, sizeof out);
+  return out;
+}
+
+template <int N>
+ARM_IK_INLINE void store(double* to, typename Lanes<N>::Real value) {
+  __builtin_memcpy(to, &value, sizeof value);
+}
+
+/// Sine and cosine of N angles, |x| < 1e5 rad, to within 1 unit in the last place. Reduction by multiples of pi/2 in
+/// two parts (the first has 33 bits, so that the product is exact), then fdlibm's minimax polynomials.
+template <int N>
+ARM_IK_INLINE void sine_cosine(typename Lanes<N>::Real x, typename Lanes<N>::Real& sine,
+                               typename Lanes<N>::Real& cosine) {
+  using Real = typename Lanes<N>::Real;
+  using Mask = typename Lanes<N>::Mask;
+  // adding 1.5 * 2^52 rounds to the nearest integer, which then stands in the low bits
+  constexpr double rounder = 6755399441055744.0;
+  const Real shifted = x * 0.63661977236758134308 + rounder;
+  const Mask quarter = (Mask)shifted;
+  const Real turns = shifted - rounder;
+  const Real r = (x - turns * 1.57079632673412561417e+00) - turns * 6.07710050650619224932e-11;
+  const Real r2 = r * r;
+  Real s = r2 * 1.58969099521155010221e-10 - 2.50507602534068634195e-08;
+  s = s * r2 + 2.75573137070700676789e-06;
+  s = s * r2 - 1.98412698298579493134e-04;
+  s = s * r2 + 8.33333333332248946124e-03;
+  s = s * r2 - 1.66666666666666324348e-01;
+  s = r + r * (r2 * s);
+  Real c = r2 * -1.13596475577881948265e-11 + 2.08757232129817482790e-09;
+  c = c * r2 - 2.75573143513906633035e-07;
+  c = c * r2 + 2.48015872894767294178e-05;
+  c = c * r2 - 1.38888888888741095749e-03;
+  c = c * r2 + 4.16666666666666019037e-02;
+  c = 1.0 - (0.5 * r2 - r2 * (r2 * c));
+  // odd quarters swap, the second bit is the sign
+  const Mask odd = (quarter << 63) >> 63;
+  const Mask sine_sign = (quarter << 62) & (Mask)fill<N>(-0.0);
+  const Mask cosine_sign = ((quarter + 1) << 62) & (Mask)fill<N>(-0.0);
+  sine = (Real)((((Mask)c & odd) | ((Mask)s & ~odd)) ^ sine_sign);
+  cosine = (Real)((((Mask)s & odd) | ((Mask)c & ~odd)) ^ cosine_sign);
+}
+
+/// Processor families with a compiled variant of each kernel.
+enum class Isa { portable, avx2, avx512 };
+
+inline Isa best_isa() {
+  if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512vl"))
+    return Isa::avx512;
+  if (__builtin_cpu_supports("avx2")) return Isa::avx2;
+  return Isa::portable;
+}
+
+}  // namespace arm_ik

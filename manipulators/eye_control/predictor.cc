@@ -1,0 +1,111 @@
+#include "manipulators/eye_control/predictor.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace eye {
+
+namespace {
+
+constexpr double constant = 3 * deg;    // regressor of the constant term: the size of ordinary velocities, rad/s
+constexpr double first_variance = 1e4;  // of the parameters before anything was seen
+constexpr double quiet = 0.5 * deg;     // speeds below this teach nothing, rad/s
+constexpr double floor = 0.3 * deg;     // errors below this are not worth predicting, rad/s
+constexpr double judgement = 0.35;      // weight of the newest box in the running errors
+constexpr double fading = 0.9;          // of trust, each box not seen
+
+}  // namespace
+
+Predictor::Predictor(const Parameters& p)
+    : steps_(p.steps(p.predictor_period)), step_(p.step), period_(steps_ * step_), memory_(p.predictor_memory) {
+  theta_ = {1, 0, 0};
+  for (int i = 0; i < 3; ++i) P_[4 * i] = first_variance;
+}
+
+void Predictor::see(double velocity, bool visible) {
+  sum_ += velocity;
+  count_ += 1;
+  seen_ += visible;
+  if (count_ >= steps_) close_box();
+}
+
+void Predictor::close_box() {
+  // a box hidden for more than half of its time is continued by the model itself
+  const bool visible = 2 * seen_ > count_;
+  const double x = visible ? sum_ / count_ : expected_[0];
+  box_ = {x, box_[0], box_[1], box_[2]};
+  sum_ = count_ = seen_ = 0;
+
+  if (visible) {
+    judge();
+    learn();
+  } else {
+    trust_ *= fading;
+  }
+  look_ahead();
+}
+
+void Predictor::judge() {
+  const double model = box_[0] - expected_[skill_boxes];
+  const double hold = box_[0] - box_[skill_boxes];
+  error_model_ += judgement * (model * model - error_model_);
+  error_hold_ += judgement * (hold * hold - error_hold_);
+  const double skill = 1 - (error_model_ + floor * floor) / (error_hold_ + floor * floor);
+  // a model of three parameters is no model before it has seen more than three boxes
+  trust_ = boxes_ < 5 ? 0 : std::clamp((skill - 0.5) / 0.4, 0.0, 1.0);
+}
+
+void Predictor::learn() {
+  const std::array<double, 3> phi{box_[1], box_[2], constant};
+  if (std::abs(box_[0]) < quiet && std::abs(box_[1]) < quiet && std::abs(box_[2]) < quiet) return;
+  boxes_ += 1;
+
+  std::array<double, 3> gain{};
+  double denominator = memory_;
+  for (int i = 0; i < 3; ++i) {
+    for (int j = 0; j < 3; ++j) gain[i] += P_[3 * i + j] * phi[j];
+    denominator += phi[i] * gain[i];
+  }
+  const double error = box_[0] - (theta_[0] * phi[0] + theta_[1] * phi[1] + theta_[2] * phi[2]);
+  for (int i = 0; i < 3; ++i) theta_[i] += gain[i] / denominator * error;
+  for (int i = 0; i < 3; ++i) {
+    for (int j = i; j < 3; ++j) {
+      const double updated = (P_[3 * i + j] - gain[i] * gain[j] / denominator) / memory_;
+      P_[3 * i + j] = P_[3 * j + i] = std::clamp(updated, -first_variance, first_variance);
+    }
+  }
+}
+
+void Predictor::look_ahead() {
+  // boxes -2 ... 6 around the last complete one; a model that runs away is stopped at twice the largest seen speed
+  std::array<double, future_size + 2> x{box_[2], box_[1], box_[0]};
+  double bound = 0;
+  for (double b : box_) bound = std::max(bound, 2 * std::abs(b));
+  for (size_t k = 3; k < x.size(); ++k) {
+    x[k] = std::clamp(theta_[0] * x[k - 1] + theta_[1] * x[k - 2] + theta_[2] * constant, -bound, bound);
+  }
+  // what was forecast for the box two ahead now is judged two boxes later
+  for (int k = skill_boxes; k > 1; --k) expected_[k] = expected_[k - 1];
+  expected_[0] = x[3];
+  expected_[1] = x[3 + skill_boxes - 1];
+
+  // a box mean is the centre value plus curvature / 24: take that off again
+  for (int k = 0; k < future_size; ++k) future_[k] = x[k + 1] - (x[k] - 2 * x[k + 1] + x[k + 2]) / 24;
+}
+
+Predictor::Forecast Predictor::ahead(double ahead) const {
+  // box k of `future_` is centred (k - 1.5) periods after the end of the last complete box
+  const double s = (count_ * step_ + ahead) / period_ + 1.5;
+  const int k = std::clamp(static_cast<int>(s), 1, future_size - 3);
+  const double t = s - k;
+  const double a = future_[k - 1], b = future_[k], c = future_[k + 1], d = future_[k + 2];
+
+  // the cubic through four neighbours
+  const double c1 = c - a / 3 - b / 2 - d / 6;
+  const double c2 = (a + c) / 2 - b;
+  const double c3 = (d - a) / 6 + (b - c) / 2;
+  return {b + t * (c1 + t * (c2 + t * c3)), (c1 + t * (2 * c2 + t * 3 * c3)) / period_,
+          (2 * c2 + t * 6 * c3) / (period_ * period_)};
+}
+
+}  // namespace eye

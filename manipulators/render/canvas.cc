@@ -1,0 +1,566 @@
+#include "manipulators/render/canvas.h"
+
+#define GL_GLEXT_PROTOTYPES
+#include <GL/gl.h>
+#include <GL/glcorearb.h>
+
+#include <algorithm>
+#include <cmath>
+#include <ctime>
+#include <map>
+#include <numbers>
+#include <optional>
+
+#include "manipulators/render/context.h"
+#include "manipulators/render/cull.h"
+#include "manipulators/render/gl.h"
+#include "manipulators/render/shaders.h"
+#include "manipulators/render/shapes.h"
+#include "manipulators/render/smooth.h"
+#include "manipulators/render/text.h"
+
+namespace render {
+
+namespace {
+
+// mirrors the uniform block `Frame`
+struct FrameBlock {
+  Eigen::Matrix4f clip_from_world;
+  Eigen::Matrix4f shadow_from_world = Eigen::Matrix4f::Identity();
+  Eigen::Vector4f ray_centre, ray_right, ray_down;
+  Eigen::Vector4f eye, zenith, horizon, earth, picture, shadow, lights, lens;
+  Eigen::Vector4f light_toward[most_lights];
+  Eigen::Vector4f light_color[most_lights];
+};
+static_assert(most_lights == 6);
+
+double cpu_seconds() {
+  timespec now{};
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
+Eigen::Vector4f extended(const Eigen::Vector3f& v, float w) { return {v.x(), v.y(), v.z(), w}; }
+
+// the corners of the part of the view between two distances
+std::array<Eigen::Vector3f, 8> view_corners(const Camera& camera, float aspect, float near, float far) {
+  std::array<Eigen::Vector3f, 8> corners;
+  const float t = std::tan(camera.field_of_view / 2);
+  int k = 0;
+  for (float z : {near, far}) {
+    for (float x : {-1.0f, 1.0f}) {
+      for (float y : {-1.0f, 1.0f}) corners[k++] = camera.X_WC * Eigen::Vector3f(x * t * aspect * z, y * t * z, z);
+    }
+  }
+  return corners;
+}
+
+struct ShadowView {
+  Eigen::Matrix4f clip_from_world;
+  float texel = 0;  // [m]
+};
+
+// an orthographic view along the key light over what is both seen and shadowed, and deep enough for every caster
+std::optional<ShadowView> shadow_view(const Scene& scene, const Camera& camera, float aspect,
+                                      const std::vector<Seen>& seen, int map_size) {
+  if (scene.lights.empty()) return {};
+  Eigen::AlignedBox3f casters;
+  for (const Drawable& drawable : scene.drawables) {
+    if (drawable.casts_shadow && !drawable.helper) casters.extend(world_bounds(drawable));
+  }
+  if (casters.isEmpty()) return {};
+
+  // the nearest thing worth a sharp shadow says how far sharp shadows must reach
+  float nearest = camera.far;
+  for (const Seen& one : seen) {
+    const Drawable& drawable = scene.drawables[one.drawable];
+    if (drawable.scenery || drawable.helper || !drawable.casts_shadow) continue;
+    nearest = std::min(nearest, std::sqrt(world_bounds(drawable).squaredExteriorDistance(camera.X_WC.translation())));
+  }
+  const float reach = std::clamp(nearest * 2.5f + 2.0f, 2.0f, 30.0f);
+
+  const Light& key = scene.lights[0];
+  const Eigen::Vector3f toward =
+      key.distant ? key.toward.normalized() : Eigen::Vector3f((key.toward - casters.center()).normalized());
+  const Eigen::Vector3f side = toward.unitOrthogonal();
+  Eigen::Matrix3f R_LW;
+  R_LW << side.transpose(), toward.cross(side).transpose(), toward.transpose();
+
+  Eigen::AlignedBox3f lit;
+  for (const Eigen::Vector3f& corner : view_corners(camera, aspect, camera.near, reach)) lit.extend(R_LW * corner);
+  Eigen::AlignedBox3f thrown;
+  for (int k = 0; k < 8; ++k) {
+    thrown.extend(R_LW * casters.corner(static_cast<Eigen::AlignedBox3f::CornerType>(k)));
+  }
+  // a shadow lands anywhere below its caster, so only the sideways extent is cut
+  Eigen::Vector3f low = lit.min().cwiseMax(thrown.min());
+  Eigen::Vector3f high = lit.max().cwiseMin(thrown.max());
+  if (low.x() >= high.x() || low.y() >= high.y()) return {};
+  low.z() = std::min(lit.min().z(), thrown.min().z());
+  high.z() = thrown.max().z();
+
+  // a square of whole texels, so that edges do not crawl when the camera moves
+  float width = std::max(high.x() - low.x(), high.y() - low.y());
+  width = std::exp2(std::ceil(std::log2(width) * 4) / 4);
+  const float texel = width / static_cast<float>(map_size);
+  Eigen::Vector3f centre = (low + high) / 2;
+  centre.x() = std::floor(centre.x() / texel) * texel;
+  centre.y() = std::floor(centre.y() / texel) * texel;
+  const float half = width / 2 + 2 * texel;
+  const float depth = std::max(high.z() - low.z(), 0.1f) * 1.02f;
+
+  ShadowView view;
+  view.texel = texel;
+  view.clip_from_world.setIdentity();
+  view.clip_from_world.topLeftCorner<3, 3>() = R_LW;
+  view.clip_from_world.topRightCorner<3, 1>() = -centre;
+  const Eigen::Vector4f scale(1 / half, 1 / half, -2 / depth, 1);
+  view.clip_from_world = scale.asDiagonal() * view.clip_from_world;
+  return view;
+}
+
+GeometryPointer ground_disc() {
+  auto geometry = std::make_shared<Geometry>();
+  // rings, so that interpolated positions stay exact enough near the camera
+  const std::vector<float> radii = {0, 0.01f, 0.1f, 1};
+  constexpr std::uint32_t columns = 32;
+  for (float radius : radii) {
+    for (std::uint32_t c = 0; c < columns; ++c) {
+      const float angle = 2 * std::numbers::pi_v<float> * static_cast<float>(c) / columns;
+      geometry->vertices.push_back({{radius * std::sin(angle), 0, radius * std::cos(angle)}, {0, 1, 0}, {}});
+    }
+  }
+  for (std::uint32_t r = 0; r + 1 < radii.size(); ++r) {
+    for (std::uint32_t c = 0; c < columns; ++c) {
+      const std::uint32_t a = r * columns + c;
+      const std::uint32_t b = r * columns + (c + 1) % columns;
+      geometry->add({a, a + columns, b + columns});
+      geometry->add({a, b + columns, b});
+    }
+  }
+  geometry->close();
+  return geometry;
+}
+
+// the uniform block without shadow and picture size
+FrameBlock frame_block(const Scene& scene, const Camera& camera, float aspect) {
+  const Surroundings& around = scene.surroundings;
+  FrameBlock frame;
+  frame.clip_from_world = view_projection(camera, aspect);
+  frame.clip_from_world.row(1) *= -1;
+  // the camera's +X points left and its +Y up; rows run downward
+  const Eigen::Matrix3f R_WC = camera.X_WC.linear();
+  const float t = std::tan(camera.field_of_view / 2);
+  frame.ray_centre = extended(R_WC.col(2), 0);
+  frame.ray_right = extended(R_WC.col(0) * -t * aspect, 0);
+  frame.ray_down = extended(R_WC.col(1) * -t, 0);
+  frame.eye = extended(camera.X_WC.translation(), around.time);
+  frame.zenith = extended(linear_of(around.zenith), around.ambient);
+  frame.horizon = extended(linear_of(around.horizon), camera.far * 0.9f);
+  frame.earth = extended(linear_of(around.earth), around.ground_height);
+  const std::size_t count = std::min(scene.lights.size(), most_lights);
+  for (std::size_t i = 0; i < most_lights; ++i) {
+    const Light light = i < count ? scene.lights[i] : Light{Eigen::Vector3f::UnitY(), true, Eigen::Vector3f::Zero()};
+    frame.light_toward[i] = extended(light.toward, light.distant ? 1.0f : 0.0f);
+    frame.light_color[i] = extended(light.color, 0);
+  }
+  frame.lights = {static_cast<float>(count), camera.near, camera.far, 0};
+  frame.lens = {0.5f / t, 0, 0, 0};
+  frame.shadow = {0, 0, 0, static_cast<float>(static_cast<int>(around.ground))};
+  return frame;
+}
+
+// the mean of every 2 x 2 pixels
+Picture halved(const Picture& from) {
+  Picture to(Size{from.width() / 2, from.height() / 2});
+  const std::size_t row = static_cast<std::size_t>(from.width()) * 4;
+  std::uint8_t* out = to.data();
+  for (int y = 0; y < to.height(); ++y) {
+    const std::uint8_t* upper = from.data() + 2 * row * static_cast<std::size_t>(y);
+    for (int x = 0; x < to.width(); ++x, upper += 8) {
+      for (int c = 0; c < 4; ++c) {
+        *out++ = static_cast<std::uint8_t>((upper[c] + upper[c + 4] + upper[row + c] + upper[row + c + 4] + 2) / 4);
+      }
+    }
+  }
+  return to;
+}
+
+}  // namespace
+
+class Canvas::State {
+ public:
+  explicit State(std::unique_ptr<Context> context) : context_(std::move(context)) {}
+  ~State();
+  State(const State&) = delete;
+  State& operator=(const State&) = delete;
+  std::string prepare();
+  std::string draw(const Scene& scene, const Camera& camera, Size size, Quality quality, Picture& picture);
+  const Cost& cost() const { return cost_; }
+  std::string description() const { return context_->description(); }
+
+ private:
+  // what is kept for one picture size
+  struct Targets {
+    explicit Targets(Size size)
+        : color(gl::Image::Kind::color, size),
+          geometry(gl::Image::Kind::floats, size),
+          depth(gl::Image::Kind::depth, size),
+          lit(gl::Image::Kind::color, size),
+          grain(gl::Image::Kind::single, {(size.width + 1) / 2, (size.height + 1) / 2}),
+          open(gl::Image::Kind::single, grain.size()) {}
+    gl::Image color, geometry, depth, lit, grain, open;
+    gl::Target surfaces{&color, &geometry, &depth};
+    gl::Target light{&lit, &depth};
+    gl::Target occlusion{&grain};
+    gl::Target blurred{&open};
+    int last_use = 0;
+    bool complete() const {
+      return surfaces.complete() && light.complete() && occlusion.complete() && blurred.complete();
+    }
+  };
+  struct ShadowMap {
+    explicit ShadowMap(int side) : depth(gl::Image::Kind::shadow, {side, side}) {}
+    gl::Image depth;
+    gl::Target target{&depth};
+  };
+
+  // one material of one drawable
+  struct Item {
+    const Drawable* drawable;
+    std::size_t level;
+    Span span;
+    const Material* material;
+    float distance;
+  };
+  struct Items {
+    std::vector<Item> solid, clear, top;
+  };
+
+  Targets* targets_for(Size size);
+  Items sorted_items(const Scene& scene, const std::vector<Seen>& seen) const;
+  void upload(FrameBlock& frame, Size size);
+  void draw_shadow_map(const Scene& scene, const ShadowView& view);
+  void draw_items(const std::vector<Item>& items, bool lit_later, float line_scale);
+  void draw_screen(gl::Program& program);
+
+  std::unique_ptr<Context> context_;
+  std::unique_ptr<gl::Program> surface_, eye_, clear_, flat_, plain_ground_, sea_, sky_, light_, depth_, occlusion_,
+      blur_;
+  std::unique_ptr<ShadowMap> shadow_map_;
+  std::unique_ptr<gl::Store> store_;
+  std::unique_ptr<gl::Image> nothing_;
+  std::map<std::pair<int, int>, std::unique_ptr<Targets>> targets_;
+  GLuint frame_buffer_ = 0, empty_array_ = 0;
+  GeometryPointer disc_;
+  Cost cost_;
+  int now_ = 0;
+};
+
+Canvas::State::~State() {
+  if (!context_->use().empty()) return;
+  if (frame_buffer_) glDeleteBuffers(1, &frame_buffer_);
+  if (empty_array_) glDeleteVertexArrays(1, &empty_array_);
+}
+
+std::string Canvas::State::prepare() {
+  if (auto problem = context_->use(); !problem.empty()) return problem;
+  using namespace shaders;
+  std::string problem;
+  auto program = [&](const std::string& vertex, const std::string& fragment) {
+    return std::make_unique<gl::Program>(vertex, fragment, problem);
+  };
+  surface_ = program(surface_vertex(), surface_fragment());
+  eye_ = program(surface_vertex(), eye_fragment());
+  clear_ = program(surface_vertex(), clear_fragment());
+  flat_ = program(surface_vertex(), flat_fragment());
+  plain_ground_ = program(ground_vertex(), plain_ground_fragment());
+  sea_ = program(ground_vertex(), sea_fragment());
+  sky_ = program(screen_vertex(), sky_fragment());
+  light_ = program(screen_vertex(), light_fragment());
+  depth_ = program(depth_vertex(), depth_fragment());
+  occlusion_ = program(screen_vertex(), occlusion_fragment());
+  blur_ = program(screen_vertex(), blur_fragment());
+  if (!problem.empty()) return problem;
+
+  store_ = std::make_unique<gl::Store>();
+  disc_ = ground_disc();
+  nothing_ = std::make_unique<gl::Image>(gl::Image::Kind::single, Size{1, 1});
+  glGenBuffers(1, &frame_buffer_);
+  glGenVertexArrays(1, &empty_array_);
+  return {};
+}
+
+Canvas::State::Targets* Canvas::State::targets_for(Size size) {
+  std::unique_ptr<Targets>& targets = targets_[{size.width, size.height}];
+  if (!targets) targets = std::make_unique<Targets>(size);
+  targets->last_use = now_;
+  if (!targets->complete()) {
+    targets_.erase({size.width, size.height});
+    return nullptr;
+  }
+  // three sizes at most (a picture, its inset, a still) are kept
+  if (targets_.size() > 3) {
+    targets_.erase(std::min_element(targets_.begin(), targets_.end(), [](const auto& a, const auto& b) {
+      return a.second->last_use < b.second->last_use;
+    }));
+  }
+  return targets.get();
+}
+
+void Canvas::State::upload(FrameBlock& frame, Size size) {
+  const auto width = static_cast<float>(size.width);
+  const auto height = static_cast<float>(size.height);
+  frame.picture = {width, height, 1 / width, 1 / height};
+  glBindBuffer(GL_UNIFORM_BUFFER, frame_buffer_);
+  glBufferData(GL_UNIFORM_BUFFER, sizeof frame, &frame, GL_STREAM_DRAW);
+  glBindBufferBase(GL_UNIFORM_BUFFER, 0, frame_buffer_);
+}
+
+void Canvas::State::draw_screen(gl::Program& program) {
+  program.use();
+  glBindVertexArray(empty_array_);
+  glDrawArrays(GL_TRIANGLES, 0, 3);
+  ++cost_.calls;
+}
+
+void Canvas::State::draw_shadow_map(const Scene& scene, const ShadowView& view) {
+  shadow_map_->target.use();
+  glClear(GL_DEPTH_BUFFER_BIT);
+  depth_->use();
+  const Frustum frustum(view.clip_from_world);
+  for (const Drawable& drawable : scene.drawables) {
+    const Geometry& geometry = *drawable.geometry;
+    if (!drawable.casts_shadow || drawable.helper || drawable.on_top || geometry.vertices.empty()) continue;
+    if (geometry.primitive != Primitive::triangles || drawable.materials.empty()) continue;
+    if (drawable.materials[0].opacity < 0.995f || !frustum.touches(world_bounds(drawable))) continue;
+    // a shadow needs no finer surface than its texels
+    const float stretch = drawable.X_WG.linear().colwise().norm().maxCoeff();
+    std::size_t level = 0;
+    while (level + 1 < geometry.levels.size() && geometry.levels[level + 1].error * stretch < view.texel * 0.7f) {
+      ++level;
+    }
+    store_->bind(geometry);
+    depth_->set("clip_from_geometry", Eigen::Matrix4f(view.clip_from_world * drawable.X_WG.matrix()));
+    store_->draw(geometry, level);
+    ++cost_.calls;
+  }
+}
+
+void Canvas::State::draw_items(const std::vector<Item>& items, bool lit_later, float line_scale) {
+  const Geometry* bound = nullptr;
+  const Drawable* placed = nullptr;
+  gl::Program* program = nullptr;
+  for (const Item& item : items) {
+    const Material& material = *item.material;
+    const bool flat = material.finish == Finish::unlit || item.drawable->geometry->primitive == Primitive::lines;
+    gl::Program* wanted = flat                             ? flat_.get()
+                          : !lit_later                     ? clear_.get()
+                          : material.finish == Finish::eye ? eye_.get()
+                                                           : surface_.get();
+    if (wanted != program) {
+      program = wanted;
+      program->use();
+      placed = nullptr;
+    }
+    if (item.drawable->geometry.get() != bound) {
+      bound = item.drawable->geometry.get();
+      store_->bind(*bound);
+      if (bound->primitive == Primitive::lines) glLineWidth(std::max(1.0f, item.drawable->line_width * line_scale));
+    }
+    if (item.drawable != placed) {
+      placed = item.drawable;
+      program->set("world_from_geometry", placed->X_WG.matrix());
+      // the cofactor matrix turns normals rightly under any scale, and has no division to fail
+      const Eigen::Matrix3f m = placed->X_WG.linear();
+      Eigen::Matrix3f cofactor;
+      cofactor << m.col(1).cross(m.col(2)), m.col(2).cross(m.col(0)), m.col(0).cross(m.col(1));
+      program->set("normal_from_geometry",
+                   Eigen::Matrix3f(cofactor / std::max(m.col(0).norm() * m.col(1).norm(), 1e-20f)));
+      // a mirrored placement would show its inside
+      if (bound->closed && m.determinant() > 0) {
+        glEnable(GL_CULL_FACE);
+      } else {
+        glDisable(GL_CULL_FACE);
+      }
+    }
+    const float roughness = std::clamp(material.roughness, 0.13f, 1.0f);
+    const bool skin = material.finish == Finish::skin;
+    program->set("base", extended(material.color, material.opacity));
+    if (material.finish == Finish::eye) {
+      program->set("surface", Eigen::Vector4f(material.iris, material.pupil, 0, 0));
+    } else {
+      // one bit says skin, four roughness, three sheen
+      const float code = (skin ? 128.0f : 0.0f) + std::round(roughness * 15) * 8 +
+                         std::round(std::clamp(material.sheen, 0.0f, 1.0f) * 7);
+      program->set("surface", Eigen::Vector4f(code / 255, 0, roughness, skin ? 1.0f : 0.0f));
+    }
+    store_->draw(*bound, item.level, item.span);
+    ++cost_.calls;
+    if (bound->primitive == Primitive::triangles) cost_.triangles += item.span.count / 3;
+  }
+  glDisable(GL_CULL_FACE);
+}
+
+Canvas::State::Items Canvas::State::sorted_items(const Scene& scene, const std::vector<Seen>& seen) const {
+  Items items;
+  for (const Seen& one : seen) {
+    const Drawable& drawable = scene.drawables[one.drawable];
+    if (drawable.geometry->vertices.empty() || drawable.materials.empty()) continue;
+    for (const Span& span : drawable.geometry->levels[one.level].spans) {
+      if (span.count == 0) continue;
+      const auto wanted = static_cast<std::size_t>(std::max(span.material, 0));
+      const Material& material = drawable.materials[std::min(wanted, drawable.materials.size() - 1)];
+      // what takes no light, or lets some through, is laid on after the light
+      const bool late = material.opacity < 0.995f || material.finish == Finish::unlit ||
+                        drawable.geometry->primitive == Primitive::lines;
+      auto& list = drawable.on_top ? items.top : late ? items.clear : items.solid;
+      list.push_back({&drawable, one.level, span, &material, one.distance});
+    }
+  }
+  // near things first hide far ones cheaply; clear things are laid on from the back
+  auto nearer = [](const Item& a, const Item& b) { return a.distance < b.distance; };
+  auto farther = [](const Item& a, const Item& b) { return a.distance > b.distance; };
+  std::stable_sort(items.solid.begin(), items.solid.end(), nearer);
+  std::stable_sort(items.clear.begin(), items.clear.end(), farther);
+  return items;
+}
+
+std::string Canvas::State::draw(const Scene& scene, const Camera& camera, Size size, Quality quality,
+                                Picture& picture) {
+  if (auto problem = size_problem(size); !problem.empty()) return problem;
+  if (auto problem = context_->use(); !problem.empty()) return problem;
+  const double started = cpu_seconds();
+  cost_ = {};
+  ++now_;
+
+  // a still is drawn at twice the size if that is possible at all
+  Size drawn = size;
+  if (quality == Quality::best && size_problem({2 * size.width, 2 * size.height}).empty()) {
+    drawn = {2 * size.width, 2 * size.height};
+  }
+  const float aspect = static_cast<float>(size.width) / static_cast<float>(size.height);
+  Targets* targets = targets_for(drawn);
+  const int map_side = quality == Quality::best ? 2048 : 1024;
+  if (!shadow_map_ || shadow_map_->depth.size().width != map_side) {
+    shadow_map_ = std::make_unique<ShadowMap>(map_side);
+  }
+  if (!targets || !shadow_map_->target.complete()) {
+    return "the rasterizer has no frame buffer of " + std::to_string(drawn.width) + "x" + std::to_string(drawn.height);
+  }
+
+  const std::vector<Seen> seen = seen_by(scene, camera, drawn);
+  cost_.drawn = static_cast<int>(seen.size());
+  cost_.culled = static_cast<int>(scene.drawables.size() - seen.size());
+  const Items items = sorted_items(scene, seen);
+
+  FrameBlock frame = frame_block(scene, camera, aspect);
+  glEnable(GL_DEPTH_TEST);
+  glDepthFunc(GL_LEQUAL);
+  glDepthMask(GL_TRUE);
+  glDisable(GL_BLEND);
+  glDisable(GL_CULL_FACE);
+
+  // what the key light sees; polygon offset keeps a surface from shadowing itself
+  if (auto view = shadow_view(scene, camera, aspect, seen, map_side)) {
+    glEnable(GL_POLYGON_OFFSET_FILL);
+    glPolygonOffset(1.5f, 2.0f);
+    draw_shadow_map(scene, *view);
+    glDisable(GL_POLYGON_OFFSET_FILL);
+    Eigen::Matrix4f half = Eigen::Matrix4f::Identity();
+    half.diagonal() << 0.5f, 0.5f, 0.5f, 1;
+    half.col(3) << 0.5f, 0.5f, 0.5f, 1;
+    frame.shadow_from_world = half * view->clip_from_world;
+    frame.shadow.head<3>() << view->texel, 1 / static_cast<float>(map_side), 1;
+  }
+
+  // surfaces without light; rows are stored top to bottom, so all is upside down and winds the other way round
+  glFrontFace(GL_CW);
+  upload(frame, drawn);
+  targets->surfaces.use();
+  glClearColor(0, 0, 0, 0);
+  glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
+  const float line_scale = static_cast<float>(drawn.height) / 720;
+  draw_items(items.solid, true, line_scale);
+
+  // contact shadows
+  glDisable(GL_DEPTH_TEST);
+  shadow_map_->depth.bind(0);
+  targets->color.bind(2);
+  targets->geometry.bind(3);
+  nothing_->bind(1);
+  if (quality != Quality::draft) {
+    upload(frame, targets->grain.size());
+    targets->occlusion.use();
+    draw_screen(*occlusion_);
+    targets->grain.bind(1);
+    targets->blurred.use();
+    draw_screen(*blur_);
+    targets->open.bind(1);
+    frame.lights.w() = 1;
+    upload(frame, drawn);
+  }
+
+  // light where surfaces were drawn, then the ground, then the sky where nothing was; all at the far plane,
+  // so that the depth test leaves out whole blocks of pixels
+  glEnable(GL_DEPTH_TEST);
+  targets->light.use();
+  glDepthMask(GL_FALSE);
+  glDepthFunc(GL_GREATER);
+  draw_screen(*light_);
+  glDepthMask(GL_TRUE);
+  glDepthFunc(GL_LEQUAL);
+  if (scene.surroundings.ground != Ground::none) {
+    (scene.surroundings.ground == Ground::sea ? sea_ : plain_ground_)->use();
+    store_->bind(*disc_);
+    store_->draw(*disc_, 0);
+    ++cost_.calls;
+  }
+  draw_screen(*sky_);
+
+  // clear things and explanations
+  glEnable(GL_BLEND);
+  glBlendFuncSeparate(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA, GL_ZERO, GL_ONE);
+  glDepthMask(GL_FALSE);
+  draw_items(items.clear, false, line_scale);
+  glDepthMask(GL_TRUE);
+  if (!items.top.empty()) {
+    glClear(GL_DEPTH_BUFFER_BIT);
+    draw_items(items.top, false, line_scale);
+  }
+  glDisable(GL_BLEND);
+
+  glPixelStorei(GL_PACK_ALIGNMENT, 4);
+  picture.resize(drawn);
+  glReadPixels(0, 0, drawn.width, drawn.height, GL_RGBA, GL_UNSIGNED_BYTE, picture.data());
+  if (const GLenum error = glGetError(); error != GL_NO_ERROR) {
+    return error == GL_OUT_OF_MEMORY ? "the rasterizer is out of memory" : "the rasterizer refused to draw";
+  }
+  if (quality == Quality::good) smooth_edges(picture);
+  if (drawn != size) picture = halved(picture);
+  write_labels(picture, scene.labels);
+  store_->age(240);
+  cost_.cpu_seconds = cpu_seconds() - started;
+  return {};
+}
+
+std::unique_ptr<Canvas> Canvas::make(std::string& problem) {
+  auto context = make_osmesa_context(problem);
+  if (!context) return nullptr;
+  auto state = std::make_unique<State>(std::move(context));
+  problem = state->prepare();
+  if (!problem.empty()) return nullptr;
+  return std::unique_ptr<Canvas>(new Canvas(std::move(state)));
+}
+
+Canvas::Canvas(std::unique_ptr<State> state) : state_(std::move(state)) {}
+Canvas::~Canvas() = default;
+
+std::string Canvas::draw(const Scene& scene, const Camera& camera, Size size, Quality quality, Picture& picture) {
+  return state_->draw(scene, camera, size, quality, picture);
+}
+
+const Cost& Canvas::cost() const { return state_->cost(); }
+std::string Canvas::description() const { return state_->description(); }
+
+}  // namespace render

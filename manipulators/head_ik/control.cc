@@ -13,8 +13,12 @@ using Eigen::Vector3d;
 
 constexpr double degree = M_PI / 180;
 
-// a gaze that cannot be had costs the roll first: a turn about the look axis counts a twentieth
-constexpr double roll_weight = 0.05;
+// A gaze that cannot be had costs the roll before the direction. With much less weight the head would lean right over
+// for the last few degrees, which people do not.
+constexpr double roll_weight = 0.3;
+
+// no head can look further round than this, and the wish for more would only tilt it
+constexpr double widest = 100 * degree;
 
 double angle_between(const Vector3d& a, const Vector3d& b) { return std::atan2(a.cross(b).norm(), a.dot(b)); }
 
@@ -61,6 +65,7 @@ Matrix3d Control::wanted(const Settings& settings, const Vector3d& eye, const Si
     g.yaw = state.side * M_PI;
   }
   if (settings.part == Part::human && settings.method == Method::swing_twist) g = head_part(g, settings.share);
+  g.yaw = std::clamp(g.yaw, -widest, widest);
   return donders(g, settings.roll);
 }
 

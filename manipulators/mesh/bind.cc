@@ -69,6 +69,10 @@ struct Heater {
   double strength = 0;
 };
 
+/// Baran and Popovic heat with 1/distance^2, so that a border between bones is as wide as the limb is thick. On a trunk
+/// that is too wide: an arm would pull at the waist. With 1/(spread distance) the width grows with the square root.
+constexpr double spread = 0.025;
+
 /// The nearest bone, measured in its own radii, that the vertex sees through the inside of the body.
 Heater heater(const Eigen::Vector3d& p, const Eigen::Vector3d& normal, const std::vector<Axis>& bones,
               const Tree& tree) {
@@ -83,7 +87,7 @@ Heater heater(const Eigen::Vector3d& p, const Eigen::Vector3d& normal, const std
     // start a little under the skin; a bone on the outer side of the tangent plane is not seen
     const Eigen::Vector3d start = p - 1e-4 * normal;
     if ((target - p).dot(normal) < 0.17 * distance && tree.first_hit(start, target).face < 0) {
-      return {b, 1 / std::max(distance * distance, 1e-6)};
+      return {b, 1 / (spread * std::max(distance, 1e-3))};
     }
   }
   return {};
@@ -142,8 +146,13 @@ void adopt_blind_components(const Surface& surface, const std::vector<Axis>& bon
   }
 }
 
+/// Heat never ends: far from a bone a trace of it would still pull. Shares below this are cut off, and the others lose
+/// as much, so that nothing jumps where one fades out.
+constexpr double trace = 0.03;
+
 /// Keeps the largest weights of a vertex and makes them sum to one.
-void keep_largest(const Eigen::RowVectorXd& heat, Eigen::Index v, Skin& skin) {
+void keep_largest(const Eigen::RowVectorXd& all_heat, Eigen::Index v, Skin& skin) {
+  const Eigen::RowVectorXd heat = (all_heat.array() - trace * all_heat.maxCoeff()).cwiseMax(0.0);
   std::vector<int> order(heat.size());
   std::iota(order.begin(), order.end(), 0);
   const int kept = std::min<int>(Skin::influences, static_cast<int>(order.size()));
@@ -151,10 +160,10 @@ void keep_largest(const Eigen::RowVectorXd& heat, Eigen::Index v, Skin& skin) {
                     [&](int a, int b) { return std::pair(-heat[a], a) < std::pair(-heat[b], b); });
   double sum = 0;
   for (int i = 0; i < kept; ++i) {
-    sum += std::max(heat[order[i]], 0.0);
+    sum += heat[order[i]];
   }
   for (int i = 0; i < kept; ++i) {
-    const double weight = std::max(heat[order[i]], 0.0) / sum;
+    const double weight = heat[order[i]] / sum;
     skin.index(v, i) = weight > 0 ? order[i] : 0;
     skin.weight(v, i) = static_cast<float>(weight);
   }

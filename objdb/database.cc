@@ -18,9 +18,9 @@ void for_each_reference(const Value& value, F visit) {
     for (const std::int64_t each : *many) visit(static_cast<ObjectId>(each));
 }
 
-void drop_references(Value& value, const std::vector<bool>& doomed) {
+void drop_references(Value& value, const tsl::robin_set<ObjectId>& doomed) {
   const auto drop = [&](std::int64_t& id) {
-    if (static_cast<std::size_t>(id) < doomed.size() && doomed[static_cast<std::size_t>(id)]) id = 0;
+    if (doomed.contains(static_cast<ObjectId>(id))) id = 0;
   };
   if (auto* one = std::get_if<std::int64_t>(&value)) drop(*one);
   if (auto* many = std::get_if<std::vector<std::int64_t>>(&value))
@@ -57,13 +57,13 @@ Result<ObjectId> Database::object(const Word& word, const Type* type) const {
   const Object* found = find(word.text);
   if (found == nullptr) {
     if (!is_path(word.text))
-      return Error{ErrorKind::syntax, quote(word.text) + " is not a path (names joined by '/')", word.column};
+      return Error{ErrorKind::syntax, shown(word.text) + " is not a path (names joined by '/')", word.column};
     std::vector<std::string_view> paths;
     // a hint is worth a look at a small world only
     if (index_.size() <= 10'000)
-      for (const auto& [path, id] : index_) paths.push_back(path);
-    return Error{ErrorKind::unknown, "no object " + std::string(word.text) + did_you_mean(word.text, paths),
-                 word.column};
+      for (const auto& each : objects_)
+        if (each) paths.push_back(each->path);
+    return Error{ErrorKind::unknown, "no object " + shown(word.text) + did_you_mean(word.text, paths), word.column};
   }
   if (type != nullptr && !found->type->is(*type))
     return Error{ErrorKind::type, found->path + " is a " + found->type->name() + ", expected a " + type->name(),
@@ -100,15 +100,20 @@ Value Database::value(const Object& object, int field) const {
 }
 
 Result<ObjectId> Database::create(const Type& type, std::string_view path) {
-  if (!is_path(path)) return Error{ErrorKind::syntax, quote(path) + " is not a path (names joined by '/')", 0};
+  if (!is_path(path)) return Error{ErrorKind::syntax, shown(path) + " is not a path (names joined by '/')", 0};
+  if (path.size() > longest_path)
+    return Error{ErrorKind::limit,
+                 shown(path) + " has " + std::to_string(path.size()) + " bytes, expected at most " +
+                     std::to_string(longest_path),
+                 0};
   if (index_.find(path) != index_.end())
-    return Error{ErrorKind::exists, "object " + std::string(path) + " is there already", 0};
+    return Error{ErrorKind::exists, "object " + shown(path) + " is there already", 0};
   const std::string_view above = parent_path(path);
   const Object* parent = nullptr;
   if (!above.empty()) {
     parent = find(above);
     if (parent == nullptr)
-      return Error{ErrorKind::unknown, std::string(path) + " needs " + std::string(above) + ", which is not there", 0};
+      return Error{ErrorKind::unknown, shown(path) + " needs " + shown(above) + ", which is not there", 0};
   }
 
   auto object = std::make_shared<Object>();
@@ -131,17 +136,17 @@ Result<ObjectId> Database::create(const Type& type, std::string_view path) {
 
 void Database::insert(std::shared_ptr<Object> object) {
   Object& inserted = *object;
+  // fields may have been declared while it was deleted
+  for (std::size_t i = inserted.slots.size(); i < inserted.type->fields().size(); ++i)
+    inserted.slots.emplace_back().value = inserted.type->fields()[i]->standard;
   objects_[inserted.id] = std::move(object);
   index_.emplace(inserted.path, inserted.id);
-  if (Object* parent = mutable_object(inserted.parent)) {
-    auto& siblings = parent->children;
-    siblings.insert(std::upper_bound(siblings.begin(), siblings.end(), inserted.id), inserted.id);
-  }
+  if (Object* parent = mutable_object(inserted.parent)) scene::insert_id(parent->children, inserted.id);
   for (std::size_t i = 0; i < inserted.slots.size(); ++i)
     if (inserted.type->fields()[i]->holds_refs())
       count_references(*inserted.type->fields()[i], inserted.slots[i].value, 1);
   scene_->created(inserted);
-  inserted.created_event = push_event(inserted.id, Event::created);
+  inserted.created_event = open_feeds_ > 0 ? push_event(inserted.id, Event::created) : 0;
   inserted.hash = 0;
   inserted.hash_stale = false;
   touch_hash(inserted);
@@ -151,13 +156,15 @@ std::shared_ptr<Object> Database::remove(ObjectId id) {
   std::shared_ptr<Object> object = std::move(objects_[id]);
   objects_[id] = nullptr;
   index_.erase(object->path);
-  if (Object* parent = mutable_object(object->parent)) std::erase(parent->children, id);
+  if (Object* parent = mutable_object(object->parent)) scene::erase_id(parent->children, id);
   for (std::size_t i = 0; i < object->slots.size(); ++i)
     if (object->type->fields()[i]->holds_refs())
       count_references(*object->type->fields()[i], object->slots[i].value, -1);
   scene_->erased(*object);
   hash_ -= object->hash;
-  if (open_feeds_ > 0) deleted_.emplace(push_event(id, Event::deleted), object);
+  // what no feed has seen created, no feed is told deleted
+  if (open_feeds_ > 0 && object->created_event < furthest_read_)
+    deleted_.emplace(push_event(id, Event::deleted), Deleted{object, object->created_event});
   return object;
 }
 
@@ -233,52 +240,31 @@ void Database::count_references(const Field&, const Value& value, int step) {
 }
 
 Status Database::erase(std::vector<ObjectId> ids, bool force) {
-  // everything below goes too: children have larger numbers than their parents, so one pass over a growing list does
-  std::vector<bool> doomed(objects_.size());
+  // everything below goes too
+  tsl::robin_set<ObjectId> doomed;
   std::vector<ObjectId> all;
-  for (const ObjectId id : ids)
-    if (!doomed[id]) {
-      doomed[id] = true;
-      all.push_back(id);
-    }
+  const auto doom = [&](ObjectId id) {
+    if (doomed.insert(id).second) all.push_back(id);
+  };
+  for (const ObjectId id : ids) doom(id);
   for (std::size_t i = 0; i < all.size(); ++i)
-    for (const ObjectId child : objects_[all[i]]->children)
-      if (!doomed[child]) {
-        doomed[child] = true;
-        all.push_back(child);
-      }
+    for (const ObjectId child : objects_[all[i]]->children) doom(child);
   std::sort(all.begin(), all.end());
 
   // references from within do not count
-  std::vector<std::uint32_t> inner(objects_.size());
+  tsl::robin_map<ObjectId, std::uint32_t> inner;
   for (const ObjectId id : all)
     for (std::size_t i = 0; i < objects_[id]->slots.size(); ++i)
       if (objects_[id]->type->fields()[i]->holds_refs())
         for_each_reference(objects_[id]->slots[i].value, [&](ObjectId to) { ++inner[to]; });
-  const bool referred =
-      std::any_of(all.begin(), all.end(), [&](ObjectId id) { return objects_[id]->referrers > inner[id]; });
-  if (referred) {
-    for (const auto& other : objects_) {
-      if (!other || doomed[other->id]) continue;
-      for (std::size_t i = 0; i < other->slots.size(); ++i) {
-        const Field& field = *other->type->fields()[i];
-        if (!field.holds_refs()) continue;
-        ObjectId hit = 0;
-        for_each_reference(other->slots[i].value, [&](ObjectId to) {
-          if (to != 0 && doomed[to]) hit = to;
-        });
-        if (hit == 0) continue;
-        if (!force)
-          return Error{ErrorKind::busy,
-                       objects_[hit]->path + " is referred to by " + other->path + "." + field.name +
-                           ", expected no reference (or: delete ... force)",
-                       0};
-        Value emptied = other->slots[i].value;
-        drop_references(emptied, doomed);
-        assign(*other, static_cast<int>(i), std::move(emptied));
-      }
-    }
-  }
+  const bool referred = std::any_of(all.begin(), all.end(), [&](ObjectId id) {
+    const std::uint32_t referrers = objects_[id]->referrers;
+    return referrers > 0 && referrers > inner[id];
+  });
+  if (referred)
+    if (Status status = drop_referrers(doomed, force); !status) return status;
+
+  // from below: children have larger numbers than their parents
   for (auto id = all.rbegin(); id != all.rend(); ++id) {
     std::shared_ptr<Object> object = remove(*id);
     if (history_limit_ > 0) record({Change::What::deletion, 0, 0, *id, {}, origin_, std::move(object)});
@@ -286,9 +272,42 @@ Status Database::erase(std::vector<ObjectId> ids, bool force) {
   return {};
 }
 
+Status Database::drop_referrers(const tsl::robin_set<ObjectId>& doomed, bool force) {
+  for (const auto& other : objects_) {
+    if (!other || doomed.contains(other->id)) continue;
+    for (std::size_t i = 0; i < other->slots.size(); ++i) {
+      const Field& field = *other->type->fields()[i];
+      if (!field.holds_refs()) continue;
+      ObjectId hit = 0;
+      for_each_reference(other->slots[i].value, [&](ObjectId to) {
+        if (doomed.contains(to)) hit = to;
+      });
+      if (hit == 0) continue;
+      if (!force)
+        return Error{ErrorKind::busy,
+                     objects_[hit]->path + " is referred to by " + other->path + "." + field.name +
+                         ", expected no reference (or: delete ... force)",
+                     0};
+      Value emptied = other->slots[i].value;
+      drop_references(emptied, doomed);
+      assign(*other, static_cast<int>(i), std::move(emptied));
+    }
+  }
+  return {};
+}
+
 void Database::record(Change change) {
   if (history_limit_ == 0) return;
   history_.push_back(std::move(change));
+  trim_history();
+}
+
+void Database::keep_history(std::size_t limit) {
+  history_limit_ = limit;
+  trim_history();
+}
+
+void Database::trim_history() {
   while (history_.size() > history_limit_) {
     history_.pop_front();
     ++history_base_;
@@ -338,12 +357,13 @@ void Database::roll_forward(std::vector<Change>& redo) {
 
 std::uint64_t Database::push_event(ObjectId id, int field) {
   const std::uint64_t number = event_base_ + events_.size();
-  if (open_feeds_ > 0) events_.push_back({number, id, field});
+  events_.push_back({number, id, field});
   return number;
 }
 
 void Database::touch(Object& object, int field) {
-  if (open_feeds_ == 0) return;
+  // a creation that nobody has read yet speaks for every value
+  if (open_feeds_ == 0 || object.created_event >= furthest_read_) return;
   Slot& slot = object.slots[static_cast<std::size_t>(field)];
   // an event that nobody has read yet speaks for the new value too
   if (slot.event >= furthest_read_) return;
@@ -377,21 +397,42 @@ void Database::unsubscribe(FeedId id) {
 bool Database::has_events(FeedId id) const { return feeds_[id].next < event_base_ + events_.size(); }
 
 void Database::read_feed(FeedId id, const std::function<void(const Event&, const Object&)>& visit) {
-  const std::uint64_t end = event_base_ + events_.size();
+  const std::uint64_t first = feeds_[id].next, end = event_base_ + events_.size();
   furthest_read_ = std::max(furthest_read_, end);
-  for (std::uint64_t number = feeds_[id].next; number < end; ++number) {
+  std::vector<Event> later;
+  std::vector<ObjectId> moved;
+  const auto visit_later = [&](const Event& event, const Object& object) {
+    if (object.place && event.field == scene::Scene::parent)
+      moved.push_back(object.id);
+    else
+      later.push_back(event);
+  };
+  for (std::uint64_t number = first; number < end; ++number) {
     const Event event = events_[number - event_base_];
     if (event.field == Event::deleted) {
-      visit(event, *deleted_.find(number)->second);
+      const Deleted& gone = deleted_.find(number)->second;
+      if (gone.created_event < first) visit(event, *gone.object);
       continue;
     }
     const Object* object = this->object(event.object);
     if (object == nullptr) continue;
     if (event.field == Event::created) {
-      if (object->created_event == number) visit(event, *object);
-    } else if (object->slots[static_cast<std::size_t>(event.field)].event == number) {
+      if (object->created_event != number) continue;
       visit(event, *object);
+      for (int i = 0; i < static_cast<int>(object->slots.size()); ++i)
+        if (object->type->field(i).said_later() && !object->is_default(i))
+          visit_later({number, object->id, i}, *object);
+    } else if (object->created_event < first && object->slots[static_cast<std::size_t>(event.field)].event == number) {
+      if (object->type->field(event.field).holds_refs())
+        visit_later(event, *object);
+      else
+        visit(event, *object);
     }
+  }
+  for (const Event& event : later) visit(event, *object(event.object));
+  for (const ObjectId node : scene_->top_down(moved)) {
+    const Object& object = *objects_[node];
+    visit({object.slots[scene::Scene::parent].event, node, scene::Scene::parent}, object);
   }
   feeds_[id].next = end;
   trim_events();

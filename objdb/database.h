@@ -8,6 +8,7 @@
 #include <vector>
 
 #include <tsl/robin_map.h>
+#include <tsl/robin_set.h>
 
 #include "objdb/object.h"
 #include "objdb/scene/scene.h"
@@ -68,15 +69,16 @@ class Database : public Names {
   void assign(const Object& object, int field, Value value);
   /// check() and assign().
   Status set(const Object& object, int field, Value value);
-  /// Deletes these objects and everything below them. Refused (owner) while others refer to them, unless `force`,
-  /// which empties those references.
+  /// Deletes these objects and everything below them. Refused (busy) while others refer to them, unless `force`,
+  /// which empties those references. Cost in proportion to what goes; in proportion to the world when others refer to
+  /// it.
   Status erase(std::vector<ObjectId> ids, bool force);
   void set_owner(const Object& object, int field, std::uint16_t owner);
 
   // -- history: what happened, to be taken back
 
   /// Keeps at most `limit` changes; 0 keeps none (the default: a mirror takes nothing back).
-  void keep_history(std::size_t limit) { history_limit_ = limit; }
+  void keep_history(std::size_t limit);
   /// A point to return to.
   std::uint64_t mark() const { return history_base_ + history_.size(); }
   /// The oldest point that can still be returned to.
@@ -100,8 +102,13 @@ class Database : public Names {
   /// A reader of changes, from now on.
   FeedId subscribe();
   void unsubscribe(FeedId id);
-  /// Every change since the last call, coalesced: a value that changed twice is visited once, at its latest event.
-  /// For deleted objects `object` is the object as it was. Cost in proportion to the changes.
+  /// Every change since the last call, coalesced, in an order in which another database can follow line by line:
+  /// deletions (`object` is the object as it was; its children come before it), creations and plain values as they
+  /// happened, then references, those of node.parent from the top of the tree of frames down. A value that changed
+  /// twice is visited once. A creation speaks for every value that append_create() says; references and long arrays
+  /// (Field::said_later) of the new object are visited later, each as a value. What was created and deleted since the
+  /// last call is not visited. A derived value is visited when it changes after somebody looked at it.
+  /// `visit` must not change the database. Cost in proportion to the changes.
   void read_feed(FeedId id, const std::function<void(const Event&, const Object&)>& visit);
   bool has_events(FeedId id) const;
 
@@ -129,9 +136,11 @@ class Database : public Names {
   std::shared_ptr<Object> remove(ObjectId id);
   void write(Object& object, int field, Value& value, const Origin& origin);
   void count_references(const Field& field, const Value& value, int step);
+  Status drop_referrers(const tsl::robin_set<ObjectId>& doomed, bool force);
   void touch(Object& object, int field);
   void touch_hash(Object& object);
   void record(Change change);
+  void trim_history();
   void trim_events();
   std::uint64_t push_event(ObjectId id, int field);
   std::uint64_t compute_hash(const Object& object) const;
@@ -153,9 +162,13 @@ class Database : public Names {
   std::vector<Feed> feeds_;
   std::size_t open_feeds_ = 0;
   std::deque<Event> events_;
-  std::uint64_t event_base_ = 1;                                    // number of events_.front()
-  std::uint64_t furthest_read_ = 1;                                 // no feed has read this event or a later one
-  tsl::robin_map<std::uint64_t, std::shared_ptr<Object>> deleted_;  // by number of the event
+  std::uint64_t event_base_ = 1;     // number of events_.front()
+  std::uint64_t furthest_read_ = 1;  // no feed has read this event or a later one
+  struct Deleted {
+    std::shared_ptr<Object> object;
+    std::uint64_t created_event;  // of the life that ended: an undone deletion gives it another
+  };
+  tsl::robin_map<std::uint64_t, Deleted> deleted_;  // by number of the event
 
   std::vector<ObjectId> stale_;
   std::uint64_t hash_ = 0;

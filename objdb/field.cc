@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "objdb/type.h"
 
@@ -16,7 +17,7 @@ Error at(const Word& word, Error error) {
 std::string range_text(const Field& field) { return "[" + number(field.low) + ", " + number(field.high) + "]"; }
 
 Result<double> parse_number(const Field& field, const Word& word, int element) {
-  if (word.quoted) return at(word, {ErrorKind::type, quote(word.text) + " is not a number", 0});
+  if (word.quoted) return at(word, {ErrorKind::type, shown(word.text) + " is not a number", 0});
   Result<double> value = parse_real(word.text, field.dimension(element));
   if (!value) {
     Error error = value.error();
@@ -25,7 +26,7 @@ Result<double> parse_number(const Field& field, const Word& word, int element) {
   }
   if (field.ranged && !(*value >= field.low && *value <= field.high))
     return at(word, {ErrorKind::range,
-                     field.name + " is " + std::string(word.text) + ", expected a value in " + range_text(field), 0});
+                     field.name + " is " + shown(word.text) + ", expected a value in " + range_text(field), 0});
   return value;
 }
 
@@ -34,7 +35,7 @@ Result<std::int64_t> parse_boolean(const Field& field, const Word& word) {
   if (std::find(std::begin(yes), std::end(yes), word.text) != std::end(yes)) return std::int64_t{1};
   if (std::find(std::begin(no), std::end(no), word.text) != std::end(no)) return std::int64_t{0};
   return at(word,
-            {ErrorKind::type, field.name + ": " + quote(word.text) + " is not a bool, expected true or false", 0});
+            {ErrorKind::type, field.name + ": " + shown(word.text) + " is not a bool, expected true or false", 0});
 }
 
 Result<std::int64_t> parse_word(const Field& field, const Word& word) {
@@ -44,7 +45,7 @@ Result<std::int64_t> parse_word(const Field& field, const Word& word) {
   for (const std::string& name : field.words) known += (known.empty() ? "" : " ") + name;
   const std::vector<std::string_view> candidates(field.words.begin(), field.words.end());
   return at(word, {ErrorKind::type,
-                   field.name + ": " + quote(word.text) + " is none of its words (" + known + ")" +
+                   field.name + ": " + shown(word.text) + " is none of its words (" + known + ")" +
                        did_you_mean(word.text, candidates),
                    0});
 }
@@ -53,12 +54,13 @@ Result<std::int64_t> parse_one_integer(const Field& field, const Word& word) {
   Result<std::int64_t> value = parse_integer(word.quoted ? std::string_view() : word.text);
   if (!value) {
     Error error = value.error();
-    error.sentence = field.name + ": " + (word.quoted ? quote(word.text) + " is not an integer" : error.sentence);
+    error.sentence = field.name + ": " + (word.quoted ? shown(word.text) + " is not an integer" : error.sentence);
     return at(word, std::move(error));
   }
-  if (field.ranged && !(static_cast<double>(*value) >= field.low && static_cast<double>(*value) <= field.high))
+  if (field.ranged &&
+      !(*value >= static_cast<std::int64_t>(field.low) && *value <= static_cast<std::int64_t>(field.high)))
     return at(word, {ErrorKind::range,
-                     field.name + " is " + std::string(word.text) + ", expected a value in " + range_text(field), 0});
+                     field.name + " is " + shown(word.text) + ", expected a value in " + range_text(field), 0});
   return value;
 }
 
@@ -96,6 +98,13 @@ Status check_word_count(const Field& field, Words words) {
   return {};
 }
 
+// index of the first of four numbers that are all 0, or the size
+std::size_t null_rotation(const std::vector<double>& numbers) {
+  for (std::size_t i = 0; i + 3 < numbers.size(); i += 4)
+    if (numbers[i] == 0 && numbers[i + 1] == 0 && numbers[i + 2] == 0 && numbers[i + 3] == 0) return i;
+  return numbers.size();
+}
+
 template <std::size_t N>
 Status parse_numbers(const Field& field, Words words, Value& out) {
   std::array<double, N> numbers;
@@ -104,6 +113,7 @@ Status parse_numbers(const Field& field, Words words, Value& out) {
     if (!value) return value.error();
     numbers[i] = *value;
   }
+  // a quaternion of length 0 turns nothing into nothing
   if constexpr (N == 4)
     if (numbers == std::array<double, N>{})
       return Error{ErrorKind::range, field.name + " is 0 0 0 0, expected a rotation (w x y z)", words[0].column};
@@ -148,6 +158,9 @@ Status parse_array(const Field& field, Words words, const Names& names, Value& o
         if (!value) return value.error();
         numbers.push_back(*value);
       }
+      if (const std::size_t null = field.kind == Kind::quat ? null_rotation(numbers) : numbers.size();
+          null < numbers.size())
+        return Error{ErrorKind::range, field.name + " has 0 0 0 0, expected a rotation (w x y z)", words[null].column};
       out = std::move(numbers);
       return {};
     }
@@ -179,6 +192,30 @@ std::size_t alternative(const Field& field) {
     case Kind::text: return field.array ? 7 : 4;
     default: return field.array ? 5 : 0;
   }
+}
+
+Status check_text(const Field& field, std::string_view text) {
+  if (is_text(text)) return {};
+  return Error{ErrorKind::syntax, field.name + " holds control bytes or invalid UTF-8, expected text", 0};
+}
+
+// bool, int, word and ref
+Status check_discrete(const Field& field, std::int64_t value) {
+  std::int64_t low = 0, high = 0;
+  switch (field.kind) {
+    case Kind::boolean: high = 1; break;
+    case Kind::word: high = static_cast<std::int64_t>(field.words.size()) - 1; break;
+    case Kind::ref: high = std::numeric_limits<ObjectId>::max(); break;
+    default:
+      if (!field.ranged) return {};
+      low = static_cast<std::int64_t>(field.low);
+      high = static_cast<std::int64_t>(field.high);
+  }
+  if (value >= low && value <= high) return {};
+  return Error{ErrorKind::range,
+               field.name + " is " + std::to_string(value) + ", expected a value in [" + std::to_string(low) + ", " +
+                   std::to_string(high) + "]",
+               0};
 }
 
 void append_discrete(std::string& out, const Field& field, std::int64_t value, const Names& names) {
@@ -359,11 +396,20 @@ Status check_value(const Field& field, const Value& value) {
     if (*quat == Quat{}) return Error{ErrorKind::range, field.name + " is 0 0 0 0, expected a rotation (w x y z)", 0};
     return check_all(*quat);
   }
-  if (const auto* numbers = std::get_if<std::vector<double>>(&value)) return check_all(*numbers);
-  if (field.kind == Kind::integer) {
-    if (const auto* integer = std::get_if<std::int64_t>(&value)) return check(static_cast<double>(*integer));
-    return check_all(std::get<std::vector<std::int64_t>>(value));
+  if (const auto* numbers = std::get_if<std::vector<double>>(&value)) {
+    if (field.kind == Kind::quat && null_rotation(*numbers) < numbers->size())
+      return Error{ErrorKind::range, field.name + " has 0 0 0 0, expected a rotation (w x y z)", 0};
+    return check_all(*numbers);
   }
+  if (const auto* text = std::get_if<std::string>(&value)) return check_text(field, *text);
+  if (const auto* texts = std::get_if<std::vector<std::string>>(&value)) {
+    for (const std::string& text : *texts)
+      if (Status status = check_text(field, text); !status) return status;
+    return {};
+  }
+  if (const auto* one = std::get_if<std::int64_t>(&value)) return check_discrete(field, *one);
+  for (const std::int64_t each : std::get<std::vector<std::int64_t>>(value))
+    if (Status status = check_discrete(field, each); !status) return status;
   return {};
 }
 

@@ -40,6 +40,9 @@ struct Field {
   std::string kind_text() const;  ///< "real", "vec3[]", "ref:node[4]"
   bool hashed() const { return !is_private && !measured && !derived; }
   bool holds_refs() const { return kind == Kind::ref; }
+  /// Said in a line of its own when all objects are there: references, so that what they name exists, and long arrays,
+  /// so that no line grows without limit.
+  bool said_later() const { return holds_refs() || count == any_length || count > 64; }
 
   /// The declaration as a line of the language that reads back to the same field.
   std::string declaration() const;

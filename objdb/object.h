@@ -50,6 +50,7 @@ struct Object {
   bool hash_stale = true;
 
   const Value& value(int field) const { return slots[static_cast<std::size_t>(field)].value; }
+  bool is_default(int field) const { return same_bits(value(field), type->field(field).standard); }
   /// The last name of the path.
   std::string_view name() const { return std::string_view(path).substr(path.rfind('/') + 1); }
 };

@@ -13,7 +13,7 @@ Error error_at(int column, ErrorKind kind, std::string sentence) { return {kind,
 Status parse_slice(Target& target, std::string_view text, int column) {
   // "[3]" or "[0..9]"
   const auto bad = [&] {
-    return error_at(column, ErrorKind::syntax, quote(text) + " is no element, expected [3] or [0..9]");
+    return error_at(column, ErrorKind::syntax, shown(text) + " is no element, expected [3] or [0..9]");
   };
   if (text.size() < 3 || text.back() != ']') return bad();
   const std::string_view inside = text.substr(1, text.size() - 2);
@@ -33,14 +33,31 @@ Result<Value> replace_elements(const Object& object, const Field& field, const T
   if (!field.array)
     return error_at(target.field_column, ErrorKind::type, field.name + " is a " + field.kind_text() + ", not an array");
   const Value& old = object.value(object.type->find(field));
-  const std::size_t size = element_count(field, old);
+  const std::size_t size = element_count(field, old), count = target.last - target.first + 1;
   const bool grows = field.count == Field::any_length;
   if (target.first > size || (!grows && target.last >= size))
-    return error_at(
-        target.field_column, ErrorKind::range,
-        field.name + " has " + std::to_string(size) + " elements, no element " + std::to_string(target.last));
-  Field part = field;
-  part.count = static_cast<int>(target.last - target.first + 1);
+    return error_at(target.field_column, ErrorKind::range,
+                    field.name + " has " + std::to_string(size) + " elements, no element " +
+                        std::to_string(target.first > size ? target.first : target.last));
+  const auto each = static_cast<std::size_t>(words_of(field.kind));
+  if (words.size() % each != 0 || words.size() / each != count)
+    return error_at(target.column, ErrorKind::syntax,
+                    field.name + ": " + std::to_string(count) + (count == 1 ? " element takes " : " elements take ") +
+                        std::to_string(each) + (each == 1 ? " word" : " words") + " each, got " +
+                        std::to_string(words.size()));
+  Field part;
+  part.name = field.name;
+  part.kind = field.kind;
+  part.array = true;
+  part.count = static_cast<int>(count);
+  part.ref_type = field.ref_type;
+  part.words = field.words;
+  part.ranged = field.ranged;
+  part.low = field.low;
+  part.high = field.high;
+  part.dimensions = field.dimensions;
+  if (part.dimensions.size() > 1)
+    part.dimensions = {&field.dimensions[target.first], &field.dimensions[target.last] + 1};
   const Result<Value> parsed = parse_value(part, words, names);
   if (!parsed) return parsed.error();
   Value value = old;
@@ -50,14 +67,31 @@ Result<Value> replace_elements(const Object& object, const Field& field, const T
         if constexpr (std::is_same_v<T, std::vector<double>> || std::is_same_v<T, std::vector<std::int64_t>> ||
                       std::is_same_v<T, std::vector<std::string>>) {
           const T& fresh = std::get<T>(*parsed);
-          const std::size_t each =
-              std::is_same_v<T, std::vector<double>> ? static_cast<std::size_t>(words_of(field.kind)) : 1;
           elements.resize(std::max(elements.size(), (target.last + 1) * each));
           std::copy(fresh.begin(), fresh.end(), elements.begin() + static_cast<std::ptrdiff_t>(target.first * each));
         }
       },
       value);
   return value;
+}
+
+// every value must fit the line that says it, also where its path is longer or its text needs quotes
+Status check_length(std::string_view path, const Field& field, const Value& value) {
+  const auto check = [&](const std::string& text) -> Status {
+    if (text.size() < longest_line / 2 - 2 * longest_path) return {};
+    const std::size_t line =
+        std::string_view("set .[1000000] \n").size() + path.size() + field.name.size() + quote(text).size();
+    if (line <= longest_line) return {};
+    return Error{ErrorKind::limit,
+                 field.name + ": the line that says this value would have " + std::to_string(line) +
+                     " bytes, expected at most " + std::to_string(longest_line),
+                 0};
+  };
+  if (const auto* text = std::get_if<std::string>(&value)) return check(*text);
+  if (const auto* texts = std::get_if<std::vector<std::string>>(&value))
+    for (const std::string& each : *texts)
+      if (Status status = check(each); !status) return status;
+  return {};
 }
 
 Result<Value> parse_for(const Database& database, const Object& object, int index, const Target& target, Words words,
@@ -73,18 +107,14 @@ Result<Value> parse_for(const Database& database, const Object& object, int inde
     if (error.column == 0) error.column = where.column;
     return error;
   }
+  if (field.kind == Kind::text)
+    if (Status status = check_length(object.path, field, *value); !status)
+      return error_at(words[0].column, status.error().kind, status.error().sentence);
   // text is checked as it is read; only references can still be wrong
   if (field.holds_refs())
     if (Status status = database.check(object, index, *value); !status)
       return error_at(words[0].column, status.error().kind, status.error().sentence);
   return value;
-}
-
-// references, so that everything they may name is there, and arrays, so that no line grows without limit
-bool later(const Field& field) { return field.holds_refs() || field.count == Field::any_length || field.count > 64; }
-
-bool is_default(const Object& object, int index) {
-  return same_bits(object.value(index), object.type->field(index).standard);
 }
 
 void append_declarations(std::string& out, const Schema& schema) {
@@ -139,11 +169,11 @@ Result<Target> parse_target(const Word& word) {
         return status.error();
     }
     if (target.field.empty() || (!is_name(target.field) && !is_pattern(target.field)))
-      return error_at(target.field_column, ErrorKind::syntax, quote(target.field) + " is not the name of a field");
+      return error_at(target.field_column, ErrorKind::syntax, shown(target.field) + " is not the name of a field");
   }
-  if (target.pattern.empty()) return error_at(word.column, ErrorKind::syntax, quote(text) + " names no object");
+  if (target.pattern.empty()) return error_at(word.column, ErrorKind::syntax, shown(text) + " names no object");
   if (!is_pattern(target.pattern) && !is_path(target.pattern))
-    return error_at(word.column, ErrorKind::syntax, quote(target.pattern) + " is not a path (names joined by '/')");
+    return error_at(word.column, ErrorKind::syntax, shown(target.pattern) + " is not a path (names joined by '/')");
   return target;
 }
 
@@ -164,7 +194,7 @@ Result<int> find_field(const Object& object, std::string_view field, int column)
   if (index >= 0) return index;
   return error_at(
       column, ErrorKind::unknown,
-      object.path + " (" + object.type->name() + ") has no field " + std::string(field) + object.type->hint(field));
+      object.path + " (" + object.type->name() + ") has no field " + shown(field) + object.type->hint(field));
 }
 
 Result<std::vector<const Object*>> find_objects(const Database& database, std::string_view pattern, int column,
@@ -177,7 +207,7 @@ Result<std::vector<const Object*>> find_objects(const Database& database, std::s
     return out;
   }
   database.for_each(scope.resolve(pattern), [&](const Object& object) { out.push_back(&object); });
-  if (out.empty()) return error_at(column, ErrorKind::unknown, "no object fits " + std::string(pattern));
+  if (out.empty()) return error_at(column, ErrorKind::unknown, "no object fits " + shown(pattern));
   return out;
 }
 
@@ -187,6 +217,7 @@ Result<ObjectId> create_statement(Database& database, Words words, const Scope& 
   const Result<const Type*> type = database.schema().type(words[0]);
   if (!type) return type.error();
   const ScopedNames names(database, scope);
+  const std::string path = scope.resolve(words[1].text);
 
   // every value is read before the object is made
   std::vector<std::pair<int, Value>> values;
@@ -195,7 +226,7 @@ Result<ObjectId> create_statement(Database& database, Words words, const Scope& 
     const int index = name.quoted ? -1 : (*type)->find(name.text);
     if (index < 0)
       return error_at(name.column, ErrorKind::unknown,
-                      (*type)->name() + " has no field " + quote(name.text) + (*type)->hint(name.text));
+                      (*type)->name() + " has no field " + shown(name.text) + (*type)->hint(name.text));
     const Field& field = (*type)->field(index);
     if (field.derived)
       return error_at(name.column, ErrorKind::owner, field.name + " is computed from other fields and cannot be set");
@@ -214,11 +245,13 @@ Result<ObjectId> create_statement(Database& database, Words words, const Scope& 
       if (error.column == 0) error.column = name.column;
       return error;
     }
+    if (Status status = check_length(path, field, *value); !status)
+      return error_at(words[at].column, status.error().kind, status.error().sentence);
     values.emplace_back(index, std::move(*value));
     at += count;
   }
 
-  const Result<ObjectId> id = database.create(**type, scope.resolve(words[1].text));
+  const Result<ObjectId> id = database.create(**type, path);
   if (!id) return error_at(words[1].column, id.error().kind, id.error().sentence);
   const Object& object = *database.object(*id);
   for (auto& [index, value] : values) database.assign(object, index, std::move(value));
@@ -231,10 +264,10 @@ Status set_statement(Database& database, Words words, const Scope& scope, Gate* 
   const Result<Target> target = parse_target(words[0]);
   if (!target) return target.error();
   if (target->field.empty())
-    return error_at(words[0].column, ErrorKind::syntax, quote(words[0].text) + " names no field, expected PATH.FIELD");
+    return error_at(words[0].column, ErrorKind::syntax, shown(words[0].text) + " names no field, expected PATH.FIELD");
   if (is_pattern(target->field))
     return error_at(target->field_column, ErrorKind::syntax,
-                    quote(target->field) + " is a pattern, expected one field");
+                    shown(target->field) + " is a pattern, expected one field");
   const ScopedNames names(database, scope);
   const Words values = words.subspan(1);
 
@@ -271,9 +304,8 @@ Status set_statement(Database& database, Words words, const Scope& scope, Gate* 
     writes.push_back({object, index, std::move(*value)});
   }
   if (writes.empty())
-    return error_at(
-        target->field_column, ErrorKind::unknown,
-        "no object that fits " + std::string(target->pattern) + " has a field " + std::string(target->field));
+    return error_at(target->field_column, ErrorKind::unknown,
+                    "no object that fits " + shown(target->pattern) + " has a field " + std::string(target->field));
   // several parents at once may close a circle that none closes alone: check again as they are written
   for (std::size_t i = 0; i < writes.size(); ++i) {
     const Field& field = writes[i].object->type->field(writes[i].field);
@@ -309,23 +341,44 @@ Status delete_statement(Database& database, Words words, const Scope& scope) {
 
 void append_create(std::string& out, const Database& database, const Object& object,
                    const std::function<bool(const Field&)>& include) {
+  const std::size_t line = out.size();
+  std::vector<int> overflow;
   out += "create " + object.type->name() + " " + object.path;
   for (int i = 0; i < static_cast<int>(object.slots.size()); ++i) {
     const Field& field = object.type->field(i);
-    if (field.derived || later(field) || !include(field) || is_default(object, i)) continue;
+    if (field.derived || field.said_later() || !include(field) || object.is_default(i)) continue;
+    const std::size_t before = out.size();
     out += " " + field.name + " ";
     append_value(out, field, object.value(i), database);
+    if (out.size() - line <= longest_set) continue;
+    out.resize(before);
+    overflow.push_back(i);
   }
   out += '\n';
+  for (const int field : overflow) append_set(out, database, object, field);
 }
 
 void append_later_sets(std::string& out, const Database& database, const Object& object,
                        const std::function<bool(const Field&)>& include) {
   for (int i = 0; i < static_cast<int>(object.slots.size()); ++i) {
     const Field& field = object.type->field(i);
-    if (!field.derived && later(field) && include(field) && !is_default(object, i))
+    if (!field.derived && field.said_later() && include(field) && !object.is_default(i))
       append_set(out, database, object, i);
   }
+}
+
+void append_objects(std::string& out, const Database& database, std::span<const Object* const> objects,
+                    const std::function<bool(const Field&)>& include) {
+  const Field& parent = database.schema().find("node")->field(scene::Scene::parent);
+  std::vector<ObjectId> moved;
+  for (const Object* object : objects) {
+    append_create(out, database, *object, include);
+    if (object->place && include(parent) && !object->is_default(scene::Scene::parent)) moved.push_back(object->id);
+  }
+  const auto but_parent = [&](const Field& field) { return &field != &parent && include(field); };
+  for (const Object* object : objects) append_later_sets(out, database, *object, but_parent);
+  for (const ObjectId node : database.scene().top_down(moved))
+    append_set(out, database, *database.object(node), scene::Scene::parent);
 }
 
 void append_set(std::string& out, const Database& database, const Object& object, int field) {
@@ -339,32 +392,33 @@ void append_set(std::string& out, const Database& database, const Object& object
     return;
   }
   const std::size_t count = element_count(declared, value);
-  std::string words;
+  std::string words, element;
   std::size_t first = 0;
-  for (std::size_t i = 0; i < count; ++i) {
-    words += ' ';
-    append_element(words, declared, value, i, database);
-    const bool last = i + 1 == count;
-    if (!last && words.size() < longest_set) continue;
+  const auto flush = [&](std::size_t end) {
     // the first run says the whole value, so that what was there before is gone; the others go on from its end
-    if (first == 0 && last)
-      out += head + words + '\n';
-    else if (first == 0 && declared.count == Field::any_length)
-      out += head + words + '\n';
-    else
-      out += head + "[" + std::to_string(first) + ".." + std::to_string(i) + "]" + words + '\n';
+    out += head;
+    if (first > 0 || (end < count && declared.count != Field::any_length))
+      out += "[" + std::to_string(first) + ".." + std::to_string(end - 1) + "]";
+    out += words + '\n';
     words.clear();
-    first = i + 1;
+    first = end;
+  };
+  for (std::size_t i = 0; i < count; ++i) {
+    element = ' ';
+    append_element(element, declared, value, i, database);
+    if (!words.empty() && words.size() + element.size() > longest_set) flush(i);
+    words += element;
   }
-  if (count == 0) out += head + " -\n";
+  if (count == 0) words = " -";
+  flush(count);
 }
 
 std::string save(const Database& database) {
   std::string out;
   append_declarations(out, database.schema());
-  const auto kept = [](const Field& field) { return !field.measured; };
-  database.for_each("**", [&](const Object& object) { append_create(out, database, object, kept); });
-  database.for_each("**", [&](const Object& object) { append_later_sets(out, database, object, kept); });
+  std::vector<const Object*> objects;
+  database.for_each("**", [&](const Object& object) { objects.push_back(&object); });
+  append_objects(out, database, objects, [](const Field& field) { return !field.measured; });
   return out;
 }
 

@@ -156,6 +156,15 @@ std::string quote(std::string_view text) {
   return out;
 }
 
+std::string shown(std::string_view text) {
+  constexpr std::size_t longest = 60;
+  if (text.size() <= longest) return quote(text);
+  // not in the middle of a character
+  std::size_t end = longest;
+  while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xc0u) == 0x80u) --end;
+  return quote(std::string(text.substr(0, end)) + "...");
+}
+
 void append_number(std::string& out, double value) {
   std::array<char, 32> buffer;
   const auto end = std::to_chars(buffer.data(), buffer.data() + buffer.size(), value).ptr;
@@ -172,6 +181,15 @@ std::string number(double value) {
   std::string out;
   append_number(out, value);
   return out;
+}
+
+bool is_text(std::string_view text) {
+  for (std::size_t at = 0; at < text.size();) {
+    const std::size_t end = std::min(text.find('\n', at), text.size());
+    if (!check_bytes(text.substr(at, end - at))) return false;
+    at = end + 1;
+  }
+  return true;
 }
 
 bool is_name(std::string_view text) {
@@ -222,9 +240,15 @@ bool matches(std::string_view pattern, std::string_view text) {
 
 std::string_view nearest(std::string_view text, std::span<const std::string_view> candidates) {
   std::string_view best;
+  // nobody mistypes a text of that length by a third
+  constexpr std::size_t longest = 100;
+  if (text.size() > longest) return best;
   std::size_t best_distance = text.size() / 3 + 1;
   std::vector<std::size_t> row;
   for (const std::string_view candidate : candidates) {
+    const std::size_t longer = std::max(text.size(), candidate.size()),
+                      shorter = std::min(text.size(), candidate.size());
+    if (longer - shorter >= best_distance) continue;
     // Levenshtein distance, one row at a time
     row.resize(candidate.size() + 1);
     for (std::size_t j = 0; j < row.size(); ++j) row[j] = j;

@@ -11,6 +11,9 @@
 /// Lines, words, numbers and patterns: the letters of the language (docs/language.md, "Lines").
 namespace objdb {
 
+/// The longest line, with its newline; the longest name and path.
+constexpr std::size_t longest_line = 65'536, longest_name = 255, longest_path = 4'095;
+
 /// One word of a line. `text` points into the line, or into the LineWords that split it when escapes were undone.
 struct Word {
   std::string_view text;
@@ -44,11 +47,16 @@ class LineWords {
 std::string quote(std::string_view text);
 void append_quoted(std::string& out, std::string_view text);
 
+/// `text` as it stands in a sentence: as quote() says it, cut after some 60 bytes.
+std::string shown(std::string_view text);
+
 /// The shortest decimal that reads back to the same bits; '.' whatever the locale.
 void append_number(std::string& out, double value);
 void append_number(std::string& out, std::int64_t value);
 std::string number(double value);
 
+/// True for valid UTF-8 without control bytes other than tab and newline: what a word can hold.
+bool is_text(std::string_view text);
 /// True for name = [A-Za-z_][A-Za-z0-9_]*.
 bool is_name(std::string_view text);
 /// True for names joined by '/'.
@@ -58,7 +66,8 @@ bool is_pattern(std::string_view text);
 /// Does `text` fit `pattern`? '*' stands for any characters but '/', "**" for any at all.
 bool matches(std::string_view pattern, std::string_view text);
 
-/// The candidate that `text` most likely was meant to be (edit distance at most a third of its length), or "".
+/// The candidate that `text` most likely was meant to be (edit distance at most a third of its length), the first of
+/// equals, or "". Texts beyond 100 bytes are never looked at.
 std::string_view nearest(std::string_view text, std::span<const std::string_view> candidates);
 /// ", did you mean X?" or "".
 std::string did_you_mean(std::string_view text, std::span<const std::string_view> candidates);

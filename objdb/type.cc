@@ -2,12 +2,25 @@
 
 #include <algorithm>
 #include <cassert>
+#include <cmath>
 
 namespace objdb {
 namespace {
 
 Error error_at(const Word& word, ErrorKind kind, std::string sentence) {
   return {kind, std::move(sentence), word.column};
+}
+
+Error name_too_long(const Word& word) {
+  return error_at(
+      word, ErrorKind::limit,
+      shown(word.text) + " is too long, expected a name of at most " + std::to_string(longest_name) + " bytes");
+}
+
+Error declaration_too_long(const Word& word) {
+  return error_at(
+      word, ErrorKind::limit,
+      shown(word.text) + ": the line that declares it would be longer than " + std::to_string(longest_line) + " bytes");
 }
 
 // reads the words of a `field` line one after the other
@@ -50,13 +63,14 @@ class FieldParser {
     const Word word = words_[at_++];
     const std::size_t dot = word.text.find('.');
     if (dot == std::string_view::npos)
-      return error_at(word, ErrorKind::syntax, quote(word.text) + " has no '.', expected TYPE.NAME");
+      return error_at(word, ErrorKind::syntax, shown(word.text) + " has no '.', expected TYPE.NAME");
     const Result<const Type*> type = schema_.type({word.text.substr(0, dot), word.column, false});
     if (!type) return type.error();
     field_.owner = *type;
     field_.name = word.text.substr(dot + 1);
+    if (field_.name.size() > longest_name) return name_too_long(word);
     if (!is_name(field_.name))
-      return error_at(word, ErrorKind::syntax, quote(field_.name) + " is not a name ([A-Za-z_][A-Za-z0-9_]*)");
+      return error_at(word, ErrorKind::syntax, shown(field_.name) + " is not a name ([A-Za-z_][A-Za-z0-9_]*)");
     return {};
   }
 
@@ -74,7 +88,7 @@ class FieldParser {
                                                : parse_integer(inside.substr(0, inside.size() - 1));
         if (!count || *count < 1 || *count > 1'000'000)
           return error_at(word, ErrorKind::syntax,
-                          quote(text) + " is not a kind, expected KIND[] or KIND[n], 1 <= n <= 1000000");
+                          shown(text) + " is not a kind, expected KIND[] or KIND[n], 1 <= n <= 1000000");
         field_.count = static_cast<int>(*count);
       }
       text = text.substr(0, bracket);
@@ -93,19 +107,19 @@ class FieldParser {
     }
     return error_at(
         word, ErrorKind::type,
-        quote(word.text) + " is not a kind (bool int real vec3 quat word text ref ref:TYPE, with [] or [n])");
+        shown(word.text) + " is not a kind (bool int real vec3 quat word text ref ref:TYPE, with [] or [n])");
   }
 
   // one unit for all elements or, joined by ',', one an element
   Status unit(const Word& word) {
-    if (!units_.empty()) return error_at(word, ErrorKind::syntax, "unexpected " + quote(word.text));
+    if (!units_.empty()) return error_at(word, ErrorKind::syntax, "unexpected " + shown(word.text));
     if (field_.kind != Kind::real && field_.kind != Kind::vec3)
-      return error_at(word, ErrorKind::unit, quote(word.text) + ": a " + field_.kind_text() + " has no unit");
+      return error_at(word, ErrorKind::unit, shown(word.text) + ": a " + field_.kind_text() + " has no unit");
     std::string_view rest = word.text;
     while (true) {
       const std::size_t comma = rest.find(',');
       const std::optional<Unit> unit = parse_unit(rest.substr(0, comma));
-      if (!unit) return error_at(word, ErrorKind::unit, "unknown unit " + quote(rest.substr(0, comma)));
+      if (!unit) return error_at(word, ErrorKind::unit, "unknown unit " + shown(rest.substr(0, comma)));
       units_.push_back(*unit);
       if (comma == std::string_view::npos) break;
       rest.remove_prefix(comma + 1);
@@ -113,7 +127,7 @@ class FieldParser {
     if (units_.size() > 1 && static_cast<int>(units_.size()) != field_.count)
       return error_at(
           word, ErrorKind::unit,
-          quote(word.text) + " names " + std::to_string(units_.size()) + " units, expected one or one an element");
+          shown(word.text) + " names " + std::to_string(units_.size()) + " units, expected one or one an element");
     for (const Unit& each : units_) field_.dimensions.push_back(each.dimension);
     return {};
   }
@@ -136,6 +150,12 @@ class FieldParser {
       while (at_ < words_.size() && !is_keyword(words_[at_])) ++at_;
     }
     standard_ = words_.subspan(first, at_ - first);
+    // the words of a text[] end at the first quote, which opens the doc: what must be quoted cannot be among them
+    if (count < 0 && field_.kind == Kind::text)
+      for (const Word& word : standard_)
+        if (quote(word.text)[0] == '"' && !(word.text == "-" && standard_.size() == 1))
+          return error_at(word, ErrorKind::syntax,
+                          shown(word.text) + " needs quotes, which a default of text[] cannot have");
     if (standard_.empty() || (count >= 0 && static_cast<int>(standard_.size()) < count))
       return error_at(equals, ErrorKind::syntax,
                       "the default of " + field_.name + " takes " +
@@ -157,7 +177,8 @@ class FieldParser {
     while (at_ < words_.size() && !is_keyword(words_[at_])) {
       const Word word = words_[at_++];
       if (std::find(field_.words.begin(), field_.words.end(), word.text) != field_.words.end())
-        return error_at(word, ErrorKind::exists, quote(word.text) + " stands twice among the words");
+        return error_at(word, ErrorKind::exists, shown(word.text) + " stands twice among the words");
+      if (word.text.size() > longest_name) return name_too_long(word);
       field_.words.emplace_back(word.text);
     }
     if (field_.words.empty()) return error_at(of, ErrorKind::syntax, "expected of WORD WORD ...");
@@ -190,6 +211,14 @@ class FieldParser {
       field_.ranged = true;
       field_.low = *low;
       field_.high = *high;
+      // whole numbers that a double holds exactly
+      if (field_.kind == Kind::integer) {
+        constexpr double most = 9007199254740992;
+        field_.low = std::max(std::ceil(*low), -most) + 0.0;
+        field_.high = std::min(std::floor(*high), most) + 0.0;
+        if (!(field_.low <= field_.high))
+          return error_at(range_[0], ErrorKind::range, "no whole number of at most 2^53 is in the range");
+      }
     }
     field_.standard = zero_value(field_);
     if (field_.kind == Kind::ref && !standard_.empty())
@@ -209,7 +238,8 @@ class FieldParser {
     if (converts) {
       texts.reserve(converted.size());
       for (std::size_t i = 0; i < converted.size(); ++i) {
-        const Result<double> value = declared_number(converted[i], units_.size() == 1 ? 0 : static_cast<int>(i));
+        const int element = units_.size() == 1 ? 0 : static_cast<int>(i) / words_of(field_.kind);
+        const Result<double> value = declared_number(converted[i], element);
         if (!value) return value.error();
         converted[i].text = texts.emplace_back(number(*value));
       }
@@ -315,22 +345,22 @@ Type& Schema::mutable_type(const Type& type) { return *by_name_.find(type.name()
 
 Result<const Type*> Schema::type(const Word& word) const {
   if (const Type* found = find(word.text)) return found;
-  if (!is_name(word.text)) return error_at(word, ErrorKind::syntax, quote(word.text) + " is not a name of a type");
+  if (!is_name(word.text)) return error_at(word, ErrorKind::syntax, shown(word.text) + " is not a name of a type");
   std::vector<std::string_view> names;
   for (const auto& each : types_) names.push_back(each->name());
-  return error_at(word, ErrorKind::unknown, "no type " + std::string(word.text) + did_you_mean(word.text, names));
+  return error_at(word, ErrorKind::unknown, "no type " + shown(word.text) + did_you_mean(word.text, names));
 }
 
 Result<const Field*> Schema::field(const Word& word) const {
   const std::size_t dot = word.text.find('.');
   if (dot == std::string_view::npos)
-    return error_at(word, ErrorKind::syntax, quote(word.text) + " has no '.', expected TYPE.FIELD");
+    return error_at(word, ErrorKind::syntax, shown(word.text) + " has no '.', expected TYPE.FIELD");
   const Result<const Type*> owner = type({word.text.substr(0, dot), word.column, false});
   if (!owner) return owner.error();
   const std::string_view name = word.text.substr(dot + 1);
   const int index = (*owner)->find(name);
   if (index < 0)
-    return error_at(word, ErrorKind::unknown, (*owner)->name() + " has no field " + quote(name) + (*owner)->hint(name));
+    return error_at(word, ErrorKind::unknown, (*owner)->name() + " has no field " + shown(name) + (*owner)->hint(name));
   return &(*owner)->field(index);
 }
 
@@ -338,7 +368,8 @@ Result<const Type*> Schema::declare_type(Words words) {
   if (words.empty()) return Error{ErrorKind::syntax, "expected type NAME [extends BASE] [\"doc\"]", 0};
   const Word name = words[0];
   if (name.quoted || !is_name(name.text))
-    return error_at(name, ErrorKind::syntax, quote(name.text) + " is not a name ([A-Za-z_][A-Za-z0-9_]*)");
+    return error_at(name, ErrorKind::syntax, shown(name.text) + " is not a name ([A-Za-z_][A-Za-z0-9_]*)");
+  if (name.text.size() > longest_name) return name_too_long(name);
   const Type* base = nullptr;
   std::string doc;
   std::size_t at = 1;
@@ -350,7 +381,7 @@ Result<const Type*> Schema::declare_type(Words words) {
     at += 2;
   }
   if (at < words.size() && words[at].quoted) doc = words[at++].text;
-  if (at < words.size()) return error_at(words[at], ErrorKind::syntax, "unexpected " + quote(words[at].text));
+  if (at < words.size()) return error_at(words[at], ErrorKind::syntax, "unexpected " + shown(words[at].text));
 
   if (const Type* known = find(name.text)) {
     if (known->base() == base) return known;
@@ -358,6 +389,8 @@ Result<const Type*> Schema::declare_type(Words words) {
                     "type " + known->name() + " is known and extends " +
                         (known->base() == nullptr ? "nothing" : known->base()->name()));
   }
+  if (name.text.size() + (base == nullptr ? 0 : base->name().size()) + quote(doc).size() + 32 > longest_line)
+    return declaration_too_long(name);
   Type& made = *types_.emplace_back(std::make_unique<Type>(std::string(name.text), base, std::move(doc)));
   by_name_.emplace(made.name(), &made);
   return &made;
@@ -381,6 +414,8 @@ Result<Schema::Declared> Schema::declare_field(Words words) {
     if (type->is(owner) && type->find(parsed->name) >= 0)
       return error_at(word, ErrorKind::exists,
                       type->name() + ", which extends " + owner.name() + ", has a field " + parsed->name);
+
+  if (parsed->declaration().size() >= longest_line) return declaration_too_long(word);
 
   const Field& field = *fields_.emplace_back(std::make_unique<Field>(std::move(*parsed)));
   for (const auto& type : types_)

@@ -1,5 +1,6 @@
 #include "objdb/unit.h"
 
+#include <locale.h>
 #include <charconv>
 #include <cmath>
 #include <cstdlib>
@@ -88,7 +89,7 @@ bool multiply_factor(Unit& unit, std::string_view text, int sign) {
   exponent *= sign;
   for (std::size_t i = 0; i < named->exponents.size(); ++i) {
     const int sum = unit.dimension.exponents[i] + named->exponents[i] * exponent;
-    if (std::abs(sum) > 99) return false;
+    if (std::abs(sum) > 9) return false;
     unit.dimension.exponents[i] = static_cast<std::int8_t>(sum);
   }
   for (int i = 0; i < std::abs(exponent); ++i) {
@@ -100,7 +101,7 @@ bool multiply_factor(Unit& unit, std::string_view text, int sign) {
 
 bool starts_unit(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '%'; }
 
-Error no_number(std::string_view text) { return {ErrorKind::type, quote(text) + " is not a number", 0}; }
+Error no_number(std::string_view text) { return {ErrorKind::type, shown(text) + " is not a number", 0}; }
 
 }  // namespace
 
@@ -111,6 +112,7 @@ std::optional<Unit> parse_unit(std::string_view text) {
   while (true) {
     const std::size_t end = text.find_first_of("/*");
     if (!multiply_factor(unit, text.substr(0, end), sign)) return std::nullopt;
+    if (!std::isfinite(unit.multiply) || !std::isfinite(unit.divide)) return std::nullopt;
     if (end == std::string_view::npos) return unit;
     sign = text[end] == '/' ? -1 : 1;
     text.remove_prefix(end + 1);
@@ -153,23 +155,25 @@ Result<double> parse_real(std::string_view text, const Dimension& dimension) {
   auto [end, error] = std::from_chars(first, last, value);
   if (error == std::errc::invalid_argument) return no_number(text);
   if (error == std::errc::result_out_of_range) {
-    value = std::strtod(std::string(first, end).c_str(), nullptr);
+    // too large or too small? whatever the locale of the program says about the decimal point
+    static const locale_t plain = newlocale(LC_ALL_MASK, "C", nullptr);
+    value = strtod_l(std::string(first, end).c_str(), nullptr, plain);
     if (!std::isfinite(value))
-      return Error{ErrorKind::range, quote(text) + " is beyond the largest number, 1.8e308", 0};
+      return Error{ErrorKind::range, shown(text) + " is beyond the largest number, 1.8e308", 0};
   }
   if (end == last) return value;
 
   const std::string_view suffix(end, static_cast<std::size_t>(last - end));
   if (!starts_unit(suffix[0]) || suffix[0] == 'x' || suffix[0] == 'X') return no_number(text);
   const std::optional<Unit> unit = parse_unit(suffix);
-  if (!unit) return Error{ErrorKind::unit, "unknown unit " + std::string(suffix), 0};
+  if (!unit) return Error{ErrorKind::unit, "unknown unit " + shown(suffix), 0};
   if (!(unit->dimension == dimension)) {
     const std::string expected = si_name(dimension);
     return Error{ErrorKind::unit,
-                 quote(text) + " does not fit, expected " + (expected.empty() ? "a number without unit" : expected), 0};
+                 shown(text) + " does not fit, expected " + (expected.empty() ? "a number without unit" : expected), 0};
   }
   value = unit->to_si(value);
-  if (!std::isfinite(value)) return Error{ErrorKind::range, quote(text) + " is beyond the largest number, 1.8e308", 0};
+  if (!std::isfinite(value)) return Error{ErrorKind::range, shown(text) + " is beyond the largest number, 1.8e308", 0};
   return value;
 }
 
@@ -180,8 +184,8 @@ Result<std::int64_t> parse_integer(std::string_view text) {
   std::int64_t value = 0;
   const auto [end, error] = std::from_chars(first, last, value);
   if (error == std::errc::result_out_of_range)
-    return Error{ErrorKind::range, quote(text) + " does not fit a 64-bit integer", 0};
-  if (error != std::errc() || end != last) return Error{ErrorKind::type, quote(text) + " is not an integer", 0};
+    return Error{ErrorKind::range, shown(text) + " does not fit a 64-bit integer", 0};
+  if (error != std::errc() || end != last) return Error{ErrorKind::type, shown(text) + " is not an integer", 0};
   return value;
 }
 

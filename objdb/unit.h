@@ -29,7 +29,8 @@ struct Unit {
   double to_si(double value) const { return value * multiply / divide; }
 };
 
-/// Reads a unit such as `cm`, `m/s`, `m/s^2`, `kN*m`. No value: unknown. The empty text is the pure number.
+/// Reads a unit such as `cm`, `m/s`, `m/s^2`, `kN*m`. No value: unknown, or an exponent beyond 9. The empty text is the
+/// pure number.
 std::optional<Unit> parse_unit(std::string_view text);
 
 /// The usual SI name of a dimension: "m", "N", "m/s^2"; empty for a pure number.

@@ -1,10 +1,23 @@
 #include "objdb/scene/scene.h"
 
 #include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include <tsl/robin_set.h>
 
 #include "objdb/database.h"
 
 namespace objdb::scene {
+
+void insert_id(std::vector<ObjectId>& ids, ObjectId id) {
+  ids.insert(std::upper_bound(ids.begin(), ids.end(), id), id);
+}
+
+void erase_id(std::vector<ObjectId>& ids, ObjectId id) {
+  const auto found = std::lower_bound(ids.begin(), ids.end(), id);
+  if (found != ids.end() && *found == id) ids.erase(found);
+}
 
 Scene::Scene(Database& database)
     : database_(database), node_(database.schema().find("node")), joint_(database.schema().find("joint")) {
@@ -15,7 +28,12 @@ Transform Scene::local(const Object& object) const {
   const Transform placed = from_pose(std::get<Vec3>(object.value(position)), std::get<Quat>(object.value(orientation)));
   if (!is_joint(object)) return placed;
   const auto& row = std::get<std::vector<double>>(object.value(dh));
-  return placed * denavit_hartenberg(row[0] + std::get<double>(object.value(angle)), row[1], row[2], row[3]);
+  const double turn = std::get<double>(object.value(angle));
+  double theta = row[0] + turn;
+  // two angles of 1e308 have no sum, but their directions have
+  if (!std::isfinite(theta))
+    theta = std::remainder(row[0], 2 * std::numbers::pi) + std::remainder(turn, 2 * std::numbers::pi);
+  return placed * denavit_hartenberg(theta, row[1], row[2], row[3]);
 }
 
 const Transform& Scene::world(const Object& object) {
@@ -34,6 +52,19 @@ const Transform& Scene::world(const Object& object) {
   return object.place->world;
 }
 
+std::vector<ObjectId> Scene::top_down(std::span<const ObjectId> nodes) const {
+  tsl::robin_set<ObjectId> wanted(nodes.begin(), nodes.end()), passed;
+  std::vector<ObjectId> out, chain;
+  for (const ObjectId node : nodes) {
+    // what carries it, as far as that is not yet listed, then down again
+    for (ObjectId each = node; each != 0 && passed.insert(each).second; each = database_.object(each)->place->parent)
+      chain.push_back(each);
+    for (; !chain.empty(); chain.pop_back())
+      if (wanted.contains(chain.back())) out.push_back(chain.back());
+  }
+  return out;
+}
+
 ObjectId Scene::effective_parent(const Object& object) const {
   const auto reference = static_cast<ObjectId>(std::get<std::int64_t>(object.value(parent)));
   if (reference != 0) return reference;
@@ -43,6 +74,8 @@ ObjectId Scene::effective_parent(const Object& object) const {
 }
 
 Status Scene::check_parent(const Object& object, ObjectId wanted) const {
+  // a node that carries nothing closes no circle but with itself
+  if (object.place->children.empty() && wanted != object.id) return {};
   for (const Object* above = database_.object(wanted); above != nullptr; above = database_.object(above->place->parent))
     if (above == &object)
       return Error{ErrorKind::range,
@@ -54,11 +87,11 @@ Status Scene::check_parent(const Object& object, ObjectId wanted) const {
 
 void Scene::link(Object& object) {
   object.place->parent = effective_parent(object);
-  if (Object* above = database_.mutable_object(object.place->parent)) above->place->children.push_back(object.id);
+  if (Object* above = database_.mutable_object(object.place->parent)) insert_id(above->place->children, object.id);
 }
 
 void Scene::unlink(Object& object) {
-  if (Object* above = database_.mutable_object(object.place->parent)) std::erase(above->place->children, object.id);
+  if (Object* above = database_.mutable_object(object.place->parent)) erase_id(above->place->children, object.id);
   object.place->parent = 0;
 }
 
@@ -85,12 +118,19 @@ void Scene::changed(Object& object, int field) {
 }
 
 void Scene::invalidate(Object& object) {
-  // below a stale frame all frames are stale already
-  if (!object.place->current) return;
-  object.place->current = false;
-  database_.derived_changed(object, world_position);
-  database_.derived_changed(object, world_orientation);
-  for (const ObjectId child : object.place->children) invalidate(*database_.mutable_object(child));
+  std::vector<Object*> pending{&object};
+  while (!pending.empty()) {
+    Object& each = *pending.back();
+    pending.pop_back();
+    // below a stale frame all frames are stale already
+    if (!each.place->current) continue;
+    each.place->current = false;
+    database_.derived_changed(each, world_position);
+    database_.derived_changed(each, world_orientation);
+    const auto& children = each.place->children;
+    for (auto child = children.rbegin(); child != children.rend(); ++child)
+      pending.push_back(database_.mutable_object(*child));
+  }
 }
 
 }  // namespace objdb::scene

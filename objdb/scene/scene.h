@@ -8,6 +8,10 @@ class Database;
 
 namespace objdb::scene {
 
+/// Puts a number into a rising list, takes it out again.
+void insert_id(std::vector<ObjectId>& ids, ObjectId id);
+void erase_id(std::vector<ObjectId>& ids, ObjectId id);
+
 /// The tree of frames over the nodes of a database. A node's parent is its `parent` field or, without one, the nearest
 /// node above it in its path. World transforms are computed when asked for and kept until something above them
 /// changes: the cost is in proportion to what changed and is asked for.
@@ -28,6 +32,9 @@ class Scene {
   Transform local(const Object& object) const;
   /// The node it moves with, 0 at the top.
   ObjectId parent_of(const Object& object) const { return object.place->parent; }
+
+  /// The same nodes, none before a node that carries it. Cost in proportion to the nodes and what carries them.
+  std::vector<ObjectId> top_down(std::span<const ObjectId> nodes) const;
 
   /// Would `parent` as the parent of `object` close a circle? Error range.
   Status check_parent(const Object& object, ObjectId parent) const;

@@ -89,38 +89,40 @@ bool is_wedge(const Hexahedron& h) {
   return true;
 }
 
+/// Jacobians where those of fair integration points can still turn over: at the corners, and at the mid-edge nodes of
+/// 20-node elements; HUGE_VAL at the collapsed corners of a wedge
+std::vector<double> corner_jacobians(const Model& model, int e) {
+  const int used = nodes_of(model.element);
+  const Hexahedron& h = model.hexahedra[e];
+  const Corners X = corners_of(model, e);
+  std::vector<double> det(used);
+  for (int a = 0; a < used; ++a) {
+    if (used == 20) {
+      det[a] = jacobian(X, reference_nodes()[a]).determinant();
+      continue;
+    }
+    const auto& to = corner_edges[a];
+    if (h.node[to[0]] == h.node[a] || h.node[to[1]] == h.node[a] || h.node[to[2]] == h.node[a]) {
+      det[a] = HUGE_VAL;
+      continue;
+    }
+    const Eigen::Vector3d x = X.col(a);
+    det[a] = (X.col(to[0]) - x).cross(X.col(to[1]) - x).dot(X.col(to[2]) - x) / 8;
+  }
+  return det;
+}
+
 Status check_shape(const Model& model, int e) {
   const int used = nodes_of(model.element);
   const Hexahedron& h = model.hexahedra[e];
-  const bool repeated = repeats_a_node(h, used);
-  if (repeated && (used == 20 || !is_wedge(h)))
+  if (repeats_a_node(h, used) && (used == 20 || !is_wedge(h)))
     return refuse(Fault::element, "element ", model.label_of_hexahedron(e),
                   ": names a node twice that is not the end of a collapsed edge of an 8-node brick");
-  const Corners X = corners_of(model, e);
-  int bad = 0, worst = -1;
-  double worst_det = HUGE_VAL;
-  // the places where a Jacobian of fair integration points can still turn over: corners, and mid-edge nodes if any
-  for (int a = 0; a < used; ++a) {
-    double det;
-    if (used == 8) {
-      const auto& to = corner_edges[a];
-      if (repeated && (h.node[to[0]] == h.node[a] || h.node[to[1]] == h.node[a] || h.node[to[2]] == h.node[a]))
-        continue;
-      const Eigen::Vector3d x = X.col(a);
-      det = (X.col(to[0]) - x).cross(X.col(to[1]) - x).dot(X.col(to[2]) - x) / 8;
-    } else {
-      det = jacobian(X, reference_nodes()[a]).determinant();
-    }
-    if (!(det > 0)) ++bad;
-    if (det < worst_det) worst_det = det, worst = a;
-  }
-  if (bad == used)
+  if (const std::vector<double> det = corner_jacobians(model, e);
+      std::all_of(det.begin(), det.end(), [](double d) { return d <= 0; }))
     return refuse(Fault::numbering, "element ", model.label_of_hexahedron(e),
                   ": its nodes are listed inside out (every corner has a negative Jacobian); list the other ",
                   used == 8 ? "four" : "side", " first");
-  if (bad > 0)
-    return refuse(Fault::inverted, "element ", model.label_of_hexahedron(e), ": the Jacobian at its node ",
-                  model.label_of_node(h.node[worst]), " must be positive, is ", worst_det, " m3");
   return success();
 }
 
@@ -243,6 +245,16 @@ std::vector<int> unused_nodes(const Model& model) {
   for (std::size_t n = 0; n < part.size(); ++n)
     if (part[n] < 0) unused.push_back(int(n));
   return unused;
+}
+
+std::vector<TurnedCorner> turned_corners(const Model& model) {
+  std::vector<TurnedCorner> turned;
+  for (int e = 0; e < int(model.hexahedra.size()); ++e) {
+    const std::vector<double> det = corner_jacobians(model, e);
+    const auto worst = std::min_element(det.begin(), det.end());
+    if (!(*worst > 0)) turned.push_back({e, model.hexahedra[e].node[worst - det.begin()], *worst});
+  }
+  return turned;
 }
 
 Status check(const Model& model) {

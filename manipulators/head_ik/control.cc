@@ -95,7 +95,7 @@ void Control::aim(const Neck& neck, const Settings& settings, const Sight& seen,
     const Vector3d there = eyes(neck, settings, solution.total);
     const double change = (there - eye).norm();
     eye = i < 6 ? there : Vector3d((there + eye) / 2);
-    if (change < 1e-9) break;
+    if (change < 1e-7) break;
   }
   state.goal = solution.total;
   state.limit = solution.limit;

@@ -13,12 +13,12 @@ Eigen::Quaterniond quaternion(const SwingTwist& angles) {
 }
 
 SwingTwist swing_twist(const Eigen::Quaterniond& q) {
-  const double along = std::hypot(q.w(), q.y());
+  const double along = std::sqrt(q.w() * q.w() + q.y() * q.y());
   if (along == 0) return {M_PI * q.x(), M_PI * q.z(), 0};
   // the twist's own quaternion is (w, 0, y, 0) normalized, the swing's is q times its inverse
   const double c = q.w() / along, s = q.y() / along;
   const double x = c * q.x() + s * q.z(), z = c * q.z() - s * q.x();
-  const double across = std::hypot(x, z), swing = 2 * std::atan2(across, along);
+  const double across = std::sqrt(x * x + z * z), swing = 2 * std::atan2(across, along);
   const double scale = across > 1e-8 ? swing / across : 2;
   return {scale * x, scale * z, std::remainder(2 * std::atan2(s, c), 2 * M_PI)};
 }

@@ -1,0 +1,60 @@
+#include "dialog_manager/command.h"
+#include "dialog_manager/manager.h"
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+namespace manager {
+namespace {
+
+using namespace objdb;
+
+// the file is whole or not there: written beside, then moved into place
+Status write_file(const std::string& path, std::string_view text) {
+  const std::string beside = path + ".part";
+  const int file = ::open(beside.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+  const auto failed = [&] {
+    const int code = errno;
+    if (file >= 0) ::close(file);
+    ::unlink(beside.c_str());
+    return Error{ErrorKind::io, path + " cannot be written: " + std::strerror(code), 0};
+  };
+  if (file < 0) return failed();
+  while (!text.empty()) {
+    const ssize_t count = ::write(file, text.data(), text.size());
+    if (count < 0 && errno == EINTR) continue;
+    if (count < 0) return failed();
+    text.remove_prefix(static_cast<std::size_t>(count));
+  }
+  if (::fsync(file) != 0 && errno != EINVAL) return failed();
+  if (::rename(beside.c_str(), path.c_str()) != 0) return failed();
+  ::close(file);
+  return {};
+}
+
+Outcome run(Call& call) {
+  const std::string text = objdb::save(call.manager.world);
+  if (call.words.empty()) {
+    call.out += text;
+    return {};
+  }
+  if (Status written = write_file(std::string(call.words[0].text), text); !written)
+    return call.error(0, written.error().kind, written.error().sentence);
+  return {};
+}
+
+}  // namespace
+
+extern const Command command_save;
+const Command command_save = {
+    "save",
+    "[FILE]",
+    "Writes the world as a script that makes it again, with the same hash; without a file prints it.",
+    Effect::look,
+    0,
+    1,
+    run};
+
+}  // namespace manager

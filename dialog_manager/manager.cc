@@ -1,0 +1,514 @@
+#include "dialog_manager/manager.h"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <csignal>
+#include <filesystem>
+
+namespace manager {
+namespace {
+
+using namespace objdb;
+using Wall = channel::Clock;
+
+constexpr std::size_t history_limit = 1'000'000;
+constexpr int lines_at_a_time = 4096;
+
+// a forwarded command waits for its manipulator's answer
+class Asked : public Operation {
+ public:
+  Asked(std::string program, std::uint64_t number) : program_(std::move(program)), number_(number) {}
+  std::optional<Status> poll(Manager& manager, std::string& out) override {
+    Manipulator* manipulator = manager.find_manipulator(program_);
+    if (manipulator == nullptr) return Status(Error{ErrorKind::gone, program_ + " is gone", 0});
+    std::optional<Manipulator::Reply> reply = manipulator->take_reply(number_);
+    if (!reply) return std::nullopt;
+    out += reply->body;
+    return reply->status;
+  }
+
+ private:
+  std::string program_;
+  std::uint64_t number_;
+};
+
+Error unknown_verb(const Manager& manager, const Word& verb) {
+  std::vector<std::string_view> names;
+  for (const Command* command : commands()) names.push_back(command->name);
+  for (const auto& manipulator : manager.manipulators())
+    for (const Manipulator::Verb& each : manipulator->verbs()) names.push_back(each.name);
+  return {ErrorKind::unknown,
+          "no verb " + quote(verb.text.substr(0, 60)) + did_you_mean(verb.text.substr(0, 60), names), verb.column};
+}
+
+}  // namespace
+
+Manager::Manager(Options options)
+    : options_(std::move(options)),
+      out_(loop_, STDOUT_FILENO, channel::Descriptor::shared),
+      errors_(loop_, STDERR_FILENO, channel::Descriptor::shared),
+      source_names_{"manager"} {
+  world.keep_history(history_limit);
+  loop_.on_signal({SIGINT, SIGTERM, SIGHUP}, [this](int signal) {
+    signal_ = signal;
+    quitting_ = true;
+  });
+  const auto style = options_.framed ? Session::Style::framed : Session::Style::people;
+  main_ = std::make_unique<Session>("main", style, out_, errors_);
+  main_->id = add_source("main");
+  main_->keep_going(options_.keep_going);
+  scheduled_ = std::make_unique<Session>("schedule", Session::Style::people, out_, errors_);
+  scheduled_->id = add_source("schedule");
+  open_streams();
+}
+
+Manager::~Manager() = default;
+
+void Manager::open_streams() {
+  for (Options::Text& each : options_.texts) {
+    Input input;
+    input.name = each.name;
+    input.text = std::move(each.text);
+    if (each.file) {
+      input.folder = std::filesystem::path(each.name).parent_path().string();
+      if (input.folder.empty()) input.folder = ".";
+    }
+    main_->enqueue(std::move(input));
+  }
+  if (!options_.read_input) return;
+  Input input;
+  input.name = "<stdin>";
+  input.live = std::make_unique<channel::Reader>(loop_, STDIN_FILENO, channel::Descriptor::shared, longest_line());
+  main_->enqueue(std::move(input));
+}
+
+std::uint16_t Manager::add_source(std::string name) {
+  // a program that is started again under its name is the same source
+  const auto known = std::find(source_names_.begin(), source_names_.end(), name);
+  if (known != source_names_.end()) return static_cast<std::uint16_t>(known - source_names_.begin());
+  source_names_.push_back(std::move(name));
+  return static_cast<std::uint16_t>(source_names_.size() - 1);
+}
+
+std::string Manager::source_name(std::uint16_t id) const { return id < source_names_.size() ? source_names_[id] : "?"; }
+
+// -- the loop
+
+int Manager::run() {
+  while (!quitting_) {
+    const bool did = step();
+    if (all_read()) break;
+    flush();
+    if (did)
+      loop_.poll();
+    else
+      loop_.wait(next_deadline());
+  }
+  end_programs();
+  out_.drain(std::chrono::seconds(5));
+  errors_.drain(std::chrono::seconds(1));
+  return signal_ != 0 ? 128 + signal_ : exit_status_;
+}
+
+bool Manager::step() {
+  bool did = false;
+  for (const auto& manipulator : manipulators_) {
+    manipulator->check_deadline();
+    did |= manipulator->step();
+  }
+  if (tick_in_flight()) return step_tick() || did;
+  did |= step_sessions();
+  if (tick_in_flight() || quitting_) return did;
+  if (wants_tick()) {
+    const auto due = clock.next_tick_due();
+    if (!due || *due <= Wall::now()) {
+      begin_tick();
+      return true;
+    }
+  }
+  return did;
+}
+
+bool Manager::step_sessions() {
+  // what the schedule began is ended before anyone else speaks
+  if (scheduled_->operation() != nullptr) {
+    const bool did = scheduled_->step(*this, 1);
+    if (scheduled_->operation() != nullptr) return did;
+  }
+  return main_->step(*this, lines_at_a_time);
+}
+
+bool Manager::all_read() const {
+  return main_->finished() && scheduled_->operation() == nullptr && !tick_in_flight() && !options_.interactive;
+}
+
+std::optional<Wall::time_point> Manager::next_deadline() const {
+  std::optional<Wall::time_point> first;
+  const auto take = [&](std::optional<Wall::time_point> each) {
+    if (each && (!first || *each < *first)) first = each;
+  };
+  for (const auto& manipulator : manipulators_) take(manipulator->deadline());
+  for (const Session* session : {main_.get(), scheduled_.get()})
+    if (session->operation() != nullptr) take(session->operation()->deadline());
+  if (!tick_in_flight() && wants_tick()) take(clock.next_tick_due());
+  return first;
+}
+
+void Manager::flush() {
+  for (const auto& manipulator : manipulators_) manipulator->flush();
+  out_.flush();
+  errors_.flush();
+}
+
+// -- commands
+
+Outcome Manager::execute(Source& source, Session* session, const LineWords& words, std::string_view line,
+                         const Scope& scope, std::string& out) {
+  const Words all = words.words();
+  Call call{*this, source, session, scope, all[0], all.subspan(1), line, out};
+  const Command* command = all[0].quoted ? nullptr : find_command(all[0].text);
+  if (command == nullptr) {
+    for (const auto& manipulator : manipulators_)
+      for (const Manipulator::Verb& verb : manipulator->verbs())
+        if (verb.name == all[0].text && !all[0].quoted) return forward(call, *manipulator, verb);
+    return unknown_verb(*this, all[0]);
+  }
+  if (call.words.size() < command->least || call.words.size() > command->most)
+    return Error{
+        ErrorKind::syntax, "expected " + std::string(command->name) + " " + std::string(command->syntax),
+        (call.words.size() < command->least || call.words.empty() ? all.back() : call.words[command->most]).column};
+  if (command->effect == Effect::time && (session == nullptr || session == scheduled_.get()))
+    return Error{ErrorKind::busy, std::string(command->name) + " makes time pass: only people and scripts can say it",
+                 all[0].column};
+  if (command->effect == Effect::time && in_transaction())
+    return Error{ErrorKind::busy, std::string(command->name) + " makes time pass: commit or rollback first",
+                 all[0].column};
+  if (command->effect != Effect::change) return command->run(call);
+
+  world.speak_as({lines.add(line), static_cast<std::uint32_t>(clock.tick() + (tick_in_flight() ? 1 : 0)), source.id});
+  const std::uint64_t mark = world.mark();
+  Outcome outcome = command->run(call);
+  if (!outcome.status) {
+    world.roll_back(mark);
+  } else if (world.mark() != mark && !in_transaction() && !tick_in_flight()) {
+    undo_marks_.push_back(mark);
+    redo_.clear();
+  }
+  return outcome;
+}
+
+Outcome Manager::forward(Call& call, Manipulator& manipulator, const Manipulator::Verb& verb) {
+  if (call.session == nullptr)
+    return Error{ErrorKind::busy,
+                 verb.name + " is a verb of " + manipulator.name + ": only people and scripts can say it",
+                 call.verb.column};
+  if (in_transaction())
+    return Error{ErrorKind::busy, verb.name + " acts on the world: commit or rollback first", call.verb.column};
+  // one of several shards serves the object that is named first
+  Manipulator* addressed = &manipulator;
+  if (!call.words.empty()) {
+    const Result<const Object*> object = find_object(world, call.words[0], call.scope);
+    if (object)
+      for (const auto& each : manipulators_)
+        for (const Manipulator::Verb& other : each->verbs())
+          if (other.name == verb.name && each->serves_path((*object)->path)) addressed = each.get();
+  }
+  if (addressed->state() == Manipulator::State::failed || addressed->state() == Manipulator::State::ended)
+    return Error{ErrorKind::gone, addressed->name + " is gone", call.verb.column};
+  // paths of a script that is read under a place are said in full
+  std::string line(verb.name);
+  for (const Word& word : call.words) {
+    line += ' ';
+    const bool inner =
+        !call.scope.prefix.empty() && !word.quoted && world.find(call.scope.resolve(word.text)) != nullptr;
+    line += inner                               ? call.scope.resolve(word.text)
+            : word.quoted && is_path(word.text) ? "\"" + std::string(word.text) + "\""
+                                                : quote(word.text);
+  }
+  world.speak_as({lines.add(call.line), static_cast<std::uint32_t>(clock.tick()), call.source.id});
+  return std::make_unique<Asked>(addressed->name, addressed->ask(line));
+}
+
+void Manager::session_failed(Session& session) {
+  exit_status_ = 1;
+  if (options_.interactive)
+    session.leave_texts();
+  else if (session.style() == Session::Style::people)
+    main_->stop();
+}
+
+void Manager::stream_ended(Session& session) {
+  // a conversation that ends in mid-transaction has not said commit
+  if (transaction_ == &session) (void)roll_back(session);
+}
+
+void Manager::event(std::string_view text) { main_->event(text); }
+
+// -- transactions
+
+Status Manager::begin(Session& session) {
+  if (transaction_ != nullptr) return Error{ErrorKind::busy, "a transaction is open already", 0};
+  transaction_ = &session;
+  transaction_mark_ = world.mark();
+  return {};
+}
+
+Status Manager::commit(Session& session) {
+  if (transaction_ != &session) return Error{ErrorKind::unknown, "no transaction is open, expected begin first", 0};
+  transaction_ = nullptr;
+  if (world.mark() != transaction_mark_) {
+    undo_marks_.push_back(transaction_mark_);
+    redo_.clear();
+  }
+  return {};
+}
+
+Status Manager::roll_back(Session& session) {
+  if (transaction_ != &session) return Error{ErrorKind::unknown, "no transaction is open, expected begin first", 0};
+  transaction_ = nullptr;
+  world.roll_back(transaction_mark_);
+  return {};
+}
+
+Status Manager::undo(std::size_t count) {
+  std::erase_if(undo_marks_, [&](std::uint64_t mark) { return mark < world.oldest_mark(); });
+  if (count > undo_marks_.size())
+    return Error{ErrorKind::limit,
+                 "cannot take back " + std::to_string(count) + " commands, there are " +
+                     std::to_string(undo_marks_.size()) + " since the last tick",
+                 0};
+  for (std::size_t i = 0; i < count; ++i) {
+    redo_.emplace_back();
+    world.roll_back(undo_marks_.back(), &redo_.back());
+    undo_marks_.pop_back();
+  }
+  return {};
+}
+
+Status Manager::redo(std::size_t count) {
+  if (count > redo_.size())
+    return Error{
+        ErrorKind::limit,
+        "cannot do " + std::to_string(count) + " commands again, " + std::to_string(redo_.size()) + " were taken back",
+        0};
+  for (std::size_t i = 0; i < count; ++i) {
+    undo_marks_.push_back(world.mark());
+    world.roll_forward(redo_.back());
+    redo_.pop_back();
+  }
+  return {};
+}
+
+// -- time
+
+void Manager::pause(bool pause) {
+  if (paused_ && !pause) clock.wake();
+  paused_ = pause;
+}
+
+bool Manager::wants_tick() const {
+  if (paused_ || in_transaction() || scheduled_->operation() != nullptr) return false;
+  if (free_) return true;
+  return main_->operation() != nullptr && main_->operation()->wants_tick(*this);
+}
+
+void Manager::begin_tick() {
+  // what was taken back cannot be done again in another time
+  undo_marks_.clear();
+  redo_.clear();
+  stage_ = 0;
+  next_stage();
+}
+
+void Manager::next_stage() {
+  const std::uint64_t tick = clock.tick() + 1;
+  while (stage_ < stages_) {
+    bool waits = false;
+    for (const auto& manipulator : manipulators_) {
+      if (manipulator->stage != stage_ || !manipulator->due(tick, clock.rate())) continue;
+      manipulator->send_tick(tick, clock.time_of(tick), clock.step());
+      waits = true;
+    }
+    if (waits) return;
+    ++stage_;
+  }
+  finish_tick();
+}
+
+bool Manager::step_tick() {
+  for (const auto& manipulator : manipulators_)
+    if (manipulator->stage == stage_ && manipulator->answering()) return false;
+  // answers count in the order of names, whenever they came
+  std::vector<Manipulator*> answers;
+  for (const auto& manipulator : manipulators_)
+    if (manipulator->stage == stage_) answers.push_back(manipulator.get());
+  std::sort(answers.begin(), answers.end(), [](const auto* a, const auto* b) { return a->name < b->name; });
+  for (Manipulator* manipulator : answers) manipulator->apply_answer();
+  ++stage_;
+  next_stage();
+  return true;
+}
+
+void Manager::finish_tick() {
+  stage_ = -1;
+  clock.advance();
+  for (const Schedule::Entry& entry : schedule.take_due(clock.time(), world))
+    scheduled_->enqueue_command(entry.command, entry.where, entry.scope);
+  scheduled_->step(*this, lines_at_a_time);
+}
+
+void Manager::break_tick(const Error& error) {
+  free_ = false;
+  if (stage_ >= 0) {
+    // the tick did not happen for those who had not answered; what is known stays
+    for (const auto& manipulator : manipulators_) manipulator->abandon_tick();
+    stage_ = -1;
+    clock.advance();
+  }
+  if (main_->operation() != nullptr && main_->operation()->wants_tick(*this)) main_->end_operation(*this, error);
+}
+
+// -- programs
+
+Result<Manipulator*> Manager::start(const std::string& program, const std::string& as,
+                                    const std::vector<std::string>& launcher, const std::string& serving,
+                                    const std::vector<std::string>& arguments) {
+  std::string name = as;
+  if (name.empty()) {
+    name = std::filesystem::path(program).stem().string();
+    for (char& c : name)
+      if (!is_name(std::string(1, c)) && !(c >= '0' && c <= '9')) c = '_';
+    if (!is_name(name)) name = "program_" + name;
+  }
+  if (!is_name(name)) return Error{ErrorKind::syntax, quote(name) + " is not a name ([A-Za-z_][A-Za-z0-9_]*)", 0};
+  if (Manipulator* known = find_manipulator(name)) {
+    if (known->state() != Manipulator::State::failed && known->state() != Manipulator::State::ended)
+      return Error{ErrorKind::exists, name + " runs already, expected another name: start " + program + " as NAME", 0};
+    drop(*known);
+  }
+  std::vector<std::string> argv = launcher;
+  std::string path = program;
+  // beside the manager, then as a path, then on PATH; a launcher finds the program itself
+  if (launcher.empty()) {
+    const std::filesystem::path beside = std::filesystem::path(options_.program_folder) / program;
+    std::error_code ignored;
+    if (program.find('/') == std::string::npos && std::filesystem::exists(beside, ignored))
+      path = beside.string();
+    else if (program.find('/') == std::string::npos && std::filesystem::is_regular_file(program, ignored))
+      path = "./" + program;
+  }
+  argv.push_back(path);
+  argv.insert(argv.end(), arguments.begin(), arguments.end());
+  auto manipulator = std::make_unique<Manipulator>(*this, name, std::move(argv), serving);
+  manipulator->id = add_source(name);
+  if (Status launched = manipulator->launch(); !launched) return launched.error();
+  manipulators_.push_back(std::move(manipulator));
+  return manipulators_.back().get();
+}
+
+Manipulator* Manager::find_manipulator(std::string_view name) const {
+  for (const auto& manipulator : manipulators_)
+    if (manipulator->name == name) return manipulator.get();
+  return nullptr;
+}
+
+void Manager::drop(Manipulator& manipulator) {
+  // its fields are free for another writer
+  const std::uint16_t id = manipulator.id;
+  world.for_each("**", [&](const Object& object) {
+    for (std::size_t i = 0; i < object.slots.size(); ++i)
+      if (object.slots[i].owner == id) world.set_owner(object, static_cast<int>(i), 0);
+  });
+  std::erase_if(manipulators_, [&](const auto& each) { return each.get() == &manipulator; });
+  (void)arrange_stages();
+}
+
+void Manager::schema_changed() {
+  for (const auto& manipulator : manipulators_) manipulator->schema_changed();
+}
+
+Status Manager::arrange_stages() {
+  // the fields that a derived field is computed from
+  static constexpr std::string_view moving[] = {"parent", "position", "orientation", "dh", "angle"};
+  std::vector<Manipulator*> members;
+  for (const auto& manipulator : manipulators_)
+    if (manipulator->state() != Manipulator::State::failed) members.push_back(manipulator.get());
+  const std::size_t count = members.size();
+  std::vector<std::vector<bool>> before(count, std::vector<bool>(count));
+  for (const auto& type : world.schema().types())
+    for (const Field* field : type->fields()) {
+      if (field->owner != type.get()) continue;
+      for (std::size_t w = 0; w < count; ++w) {
+        if (!members[w]->writes(*field)) continue;
+        for (std::size_t r = 0; r < count; ++r) {
+          if (r == w) continue;
+          bool delayed = false;
+          bool reads = members[r]->reads(*field, &delayed) && !delayed;
+          if (!reads && std::find(std::begin(moving), std::end(moving), field->name) != std::end(moving) &&
+              (type->name() == "node" || type->name() == "joint"))
+            for (const int derived : {scene::Scene::world_position, scene::Scene::world_orientation}) {
+              bool late = false;
+              if (members[r]->reads_by_name(world.scene().node_type().field(derived), &late) && !late) reads = true;
+            }
+          if (reads) before[w][r] = true;
+        }
+      }
+    }
+  // the stage of a program is the longest way that leads to it
+  std::vector<int> stage(count, 0);
+  for (std::size_t round = 0; round <= count; ++round) {
+    bool moved = false;
+    for (std::size_t w = 0; w < count; ++w)
+      for (std::size_t r = 0; r < count; ++r)
+        if (before[w][r] && stage[r] <= stage[w]) {
+          stage[r] = stage[w] + 1;
+          moved = true;
+        }
+    if (!moved) break;
+    if (round == count) {
+      std::string circle;
+      for (std::size_t w = 0; w < count; ++w)
+        for (std::size_t r = w + 1; r < count; ++r)
+          if (before[w][r] && before[r][w]) circle = members[w]->name + " and " + members[r]->name;
+      return Error{ErrorKind::busy,
+                   (circle.empty() ? "some programs" : circle) +
+                       " each read what the other writes, expected one of the reads to be declared delayed",
+                   0};
+    }
+  }
+  stages_ = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    members[i]->stage = stage[i];
+    stages_ = std::max(stages_, stage[i] + 1);
+  }
+  return {};
+}
+
+void Manager::end_programs() {
+  for (auto each = manipulators_.rbegin(); each != manipulators_.rend(); ++each) (*each)->quit();
+  // quit, 2 s, SIGTERM, 2 s, SIGKILL
+  const auto start = Wall::now();
+  bool terminated = false;
+  while (true) {
+    bool alive = false;
+    for (const auto& manipulator : manipulators_) {
+      manipulator->step();
+      manipulator->flush();
+      alive |= manipulator->alive();
+    }
+    const auto waited = Wall::now() - start;
+    if (!alive || waited > std::chrono::seconds(4)) break;
+    if (waited > std::chrono::seconds(2) && !terminated) {
+      terminated = true;
+      for (const auto& manipulator : manipulators_)
+        if (manipulator->alive()) ::kill(-manipulator->pid(), SIGTERM);
+    }
+    loop_.wait(Wall::now() + std::chrono::milliseconds(50));
+  }
+  while (!manipulators_.empty()) manipulators_.pop_back();
+}
+
+}  // namespace manager

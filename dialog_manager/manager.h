@@ -1,0 +1,140 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "dialog_manager/channel/loop.h"
+#include "dialog_manager/clock.h"
+#include "dialog_manager/command.h"
+#include "dialog_manager/line_log.h"
+#include "dialog_manager/manipulator.h"
+#include "dialog_manager/schedule.h"
+#include "dialog_manager/session.h"
+#include "objdb/database.h"
+
+namespace manager {
+
+/// How the program was started.
+struct Options {
+  struct Text {
+    std::string name;
+    std::string text;
+    bool file = false;
+  };
+  std::vector<Text> texts;   ///< scripts and -c commands, in order
+  bool interactive = false;  ///< a prompt (after the texts)
+  bool read_input = false;   ///< commands from standard input
+  bool framed = false;
+  bool keep_going = false;
+  std::uint64_t seed = 0;
+  std::string program_folder;  ///< where dialog_manager lies: programs are looked for beside it
+};
+
+/// The dialog manager: one world, everyone who speaks to it, the programs that move it, and time.
+/// One thread; between two ticks lines are carried out, during a tick the programs answer.
+class Manager {
+ public:
+  explicit Manager(Options options);
+  ~Manager();
+  Manager(const Manager&) = delete;
+  Manager& operator=(const Manager&) = delete;
+
+  /// Until everything is read and done. The exit status.
+  int run();
+
+  objdb::Database world;
+  Clock clock;
+  Schedule schedule;
+  LineLog lines;
+
+  // -- commands
+  /// Carries out one line: finds its verb, checks, runs. What failed has changed nothing.
+  Outcome execute(Source& source, Session* session, const objdb::LineWords& words, std::string_view line,
+                  const objdb::Scope& scope, std::string& out);
+  /// The name of a source by its number.
+  std::string source_name(std::uint16_t id) const;
+  std::size_t longest_line() const { return 65536; }
+  const Options& options() const { return options_; }
+
+  // -- transactions and undo
+  objdb::Status begin(Session& session);
+  objdb::Status commit(Session& session);
+  objdb::Status roll_back(Session& session);
+  objdb::Status undo(std::size_t count);
+  objdb::Status redo(std::size_t count);
+  /// Another session's transaction is open.
+  bool busy_for(const Session& session) const { return transaction_ != nullptr && transaction_ != &session; }
+  bool in_transaction() const { return transaction_ != nullptr; }
+
+  // -- time
+  bool tick_in_flight() const { return stage_ >= 0; }
+  /// Time flows by itself, between run commands too.
+  void run_free(bool free) { free_ = free; }
+  bool paused() const { return paused_; }
+  void pause(bool pause);
+  /// Makes everyone who waits for time fail with this.
+  void break_tick(const objdb::Error& error);
+
+  // -- programs
+  objdb::Result<Manipulator*> start(const std::string& program, const std::string& as,
+                                    const std::vector<std::string>& launcher, const std::string& serving,
+                                    const std::vector<std::string>& arguments);
+  Manipulator* find_manipulator(std::string_view name) const;
+  const std::vector<std::unique_ptr<Manipulator>>& manipulators() const { return manipulators_; }
+  void drop(Manipulator& manipulator);
+  /// Orders the programs: a writer stands before its readers. Error when they form a circle.
+  objdb::Status arrange_stages();
+  void schema_changed();
+
+  // -- sessions
+  void session_failed(Session& session);
+  void stream_ended(Session& session);
+  void event(std::string_view text);
+  channel::Writer& errors() { return errors_; }
+  channel::Loop& loop() { return loop_; }
+  std::uint16_t add_source(std::string name);
+  bool quitting() const { return quitting_; }
+  void quit() { quitting_ = true; }
+  void fail() { exit_status_ = 1; }
+
+  /// 64 bits over the declarations and the world.
+  std::uint64_t hash() { return world.hash(); }
+
+ private:
+  Outcome forward(Call& call, Manipulator& manipulator, const Manipulator::Verb& verb);
+  bool step();
+  bool step_sessions();
+  bool step_tick();
+  void begin_tick();
+  void next_stage();
+  void finish_tick();
+  bool wants_tick() const;
+  bool all_read() const;
+  std::optional<channel::Clock::time_point> next_deadline() const;
+  void flush();
+  void end_programs();
+  void open_streams();
+
+  Options options_;
+  channel::Loop loop_;
+  channel::Writer out_, errors_;
+  std::vector<std::string> source_names_;
+  std::unique_ptr<Session> main_;
+  std::unique_ptr<Session> scheduled_;
+  std::vector<std::unique_ptr<Manipulator>> manipulators_;
+
+  int stage_ = -1;
+  int stages_ = 0;
+  bool free_ = false, paused_ = false;
+  Session* transaction_ = nullptr;
+  std::uint64_t transaction_mark_ = 0;
+  std::vector<std::uint64_t> undo_marks_;
+  std::vector<std::vector<objdb::Database::Change>> redo_;
+  bool quitting_ = false;
+  int exit_status_ = 0;
+  int signal_ = 0;
+};
+
+}  // namespace manager

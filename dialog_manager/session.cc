@@ -1,0 +1,283 @@
+#include "dialog_manager/session.h"
+
+#include "dialog_manager/manager.h"
+
+namespace manager {
+namespace {
+
+using objdb::Error;
+using objdb::ErrorKind;
+using objdb::Status;
+
+// an odd number of backslashes at the end continues the line
+bool continues(std::string_view line) {
+  if (!line.empty() && line.back() == '\r') line.remove_suffix(1);
+  std::size_t count = 0;
+  while (count < line.size() && line[line.size() - 1 - count] == '\\') ++count;
+  return count % 2 == 1;
+}
+
+std::string_view without_backslash(std::string_view line) {
+  if (!line.empty() && line.back() == '\r') line.remove_suffix(1);
+  return line.substr(0, line.size() - 1);
+}
+
+}  // namespace
+
+Session::Session(std::string session_name, Style style, channel::Writer& out, channel::Writer& errors)
+    : style_(style), out_(out), errors_(errors) {
+  name = std::move(session_name);
+}
+
+void Session::stop() {
+  queue_.clear();
+  stack_.clear();
+}
+
+bool Session::step(Manager& manager, int budget) {
+  bool did = false;
+  while (budget-- > 0 && !manager.quitting()) {
+    if (operation_) {
+      const std::optional<Status> ended = operation_->poll(manager, body_);
+      if (!ended) return did;
+      end_operation(manager, *ended);
+      did = true;
+      continue;
+    }
+    if (manager.busy_for(*this)) return did;
+    const Got got = next_line(manager, line_);
+    if (got == Got::end && stack_.empty()) return did;
+    if (got == Got::none) return did;
+    did = true;
+    if (got == Got::line) run_line(manager, line_, stack_.back().where, stack_.back().scope);
+    // a tick that is under way is not to be disturbed
+    if (manager.tick_in_flight()) return did;
+  }
+  return did;
+}
+
+Session::Got Session::next_line(Manager& manager, Line& line) {
+  if (stack_.empty()) {
+    if (queue_.empty()) return Got::end;
+    stack_.push_back(std::move(queue_.front()));
+    queue_.pop_front();
+  }
+  if (!joining_) line.joints.clear();
+  while (true) {
+    Input& input = stack_.back();
+    std::string_view text;
+    const Got got = input.live ? next_live(manager, input, text) : next_of_script(manager, input, text);
+    if (got == Got::none) return got;
+    if (got == Got::end) {
+      if (!joining_) {
+        close_input(manager);
+        return Got::end;
+      }
+      joining_ = false;
+      line.text = joined_;
+      return Got::line;
+    }
+    const bool goes_on = style_ == Style::people && continues(text);
+    if (!joining_) {
+      line.number = input.line;
+      line.text = text;
+      if (!goes_on) return Got::line;
+      joined_.clear();
+      joining_ = true;
+    } else {
+      line.joints.emplace_back(joined_.size(), input.line);
+    }
+    joined_ += goes_on ? without_backslash(text) : text;
+    if (goes_on) continue;
+    joining_ = false;
+    line.text = joined_;
+    return Got::line;
+  }
+}
+
+Session::Got Session::next_of_script(Manager&, Input& input, std::string_view& text) {
+  if (input.at >= input.text.size()) return Got::end;
+  const std::size_t newline = input.text.find('\n', input.at);
+  ++input.line;
+  if (newline == std::string::npos) {
+    text = std::string_view(input.text).substr(input.at);
+    input.at = input.text.size();
+    if (!input.folder.empty())
+      errors_.write(input.name + ":" + std::to_string(input.line) + ":" + std::to_string(text.size()) +
+                    ": warning the last line has no newline\n");
+    return Got::line;
+  }
+  text = std::string_view(input.text).substr(input.at, newline - input.at);
+  input.at = newline + 1;
+  return Got::line;
+}
+
+Session::Got Session::next_live(Manager& manager, Input& input, std::string_view& text) {
+  using Next = channel::LineBuffer::Next;
+  while (true) {
+    switch (input.live->lines().next(text)) {
+      case Next::line: ++input.line; return Got::line;
+      case Next::too_long:
+        ++input.line;
+        where_ = input.name + ":" + std::to_string(input.line);
+        line_.joints.clear();
+        tag_.clear();
+        finish_reply(
+            manager,
+            Error{ErrorKind::limit,
+                  "the line is longer than " + std::to_string(manager.longest_line()) + " bytes and was skipped", 1});
+        if (stack_.empty()) return Got::end;
+        break;
+      case Next::half:
+        ++input.line;
+        where_ = input.name + ":" + std::to_string(input.line);
+        line_.joints.clear();
+        tag_.clear();
+        finish_reply(manager, Error{ErrorKind::syntax, "the stream ended within a line, which was not run", 1});
+        if (stack_.empty()) return Got::end;
+        break;
+      case Next::end: return Got::end;
+      case Next::none:
+        input.live->want();
+        if (input.live->lines().has_line() || input.live->at_end()) break;
+        return Got::none;
+    }
+  }
+}
+
+void Session::close_input(Manager& manager) {
+  Input closed = std::move(stack_.back());
+  stack_.pop_back();
+  if (closed.live) manager.stream_ended(*this);
+  if (closed.answers) {
+    // the text of a `source` command has been read: now that command has ended
+    tag_ = closed.tag;
+    body_.clear();
+    line_.joints.clear();
+    if (source_failed_)
+      finish_reply(manager, Error{ErrorKind::io, closed.name + " had errors", 1});
+    else
+      finish_reply(manager, {});
+    source_failed_ = false;
+  }
+}
+
+void Session::run_line(Manager& manager, const Line& line, std::string where, objdb::Scope scope) {
+  body_.clear();
+  tag_.clear();
+  where_ = std::move(where);
+  const std::size_t depth = stack_.size();
+  if (Status split = words_.split(line.text); !split) {
+    tag_ = words_.tag();
+    finish_reply(manager, split);
+    return;
+  }
+  if (words_.empty()) return;
+  tag_ = words_.tag();
+  if (line.text.size() + 1 > manager.longest_line()) {
+    finish_reply(
+        manager,
+        Error{ErrorKind::limit,
+              "the line is longer than " + std::to_string(manager.longest_line()) + " bytes and was skipped", 1});
+    return;
+  }
+  Outcome outcome = manager.execute(*this, this, words_, line.text, scope, body_);
+  if (outcome.operation) {
+    operation_ = std::move(outcome.operation);
+    return;
+  }
+  // `source` of a framed conversation is answered when its text has been read
+  if (stack_.size() > depth && style_ == Style::framed) {
+    stack_.back().tag = tag_;
+    stack_.back().answers = true;
+    return;
+  }
+  finish_reply(manager, outcome.status);
+}
+
+void Session::enqueue_command(std::string text, std::string where, const objdb::Scope& scope) {
+  Input input;
+  input.name = name;
+  input.text = std::move(text);
+  input.scope = scope;
+  input.where = std::move(where);
+  enqueue(std::move(input));
+}
+
+void Session::end_operation(Manager& manager, const Status& status) {
+  operation_.reset();
+  finish_reply(manager, status);
+}
+
+void Session::finish_reply(Manager& manager, const Status& status) {
+  if (style_ == Style::people) {
+    out_.buffer() += body_;
+  } else {
+    std::string_view rest = body_;
+    while (!rest.empty()) {
+      const std::size_t end = std::min(rest.find('\n'), rest.size() - 1);
+      out_.buffer().append("  ").append(rest.substr(0, end + 1));
+      rest.remove_prefix(end + 1);
+    }
+    if (!tag_.empty() && status) out_.buffer().append("@").append(tag_).append(" ok\n");
+  }
+  body_.clear();
+  if (out_.pending() > 64 * 1024) out_.flush();
+  if (!status) {
+    report(status.error());
+    fail(manager);
+  }
+}
+
+void Session::report(const Error& error) {
+  // the column counts from the start of the line that the word stands on
+  int number = line_.number, column = std::max(error.column, 1);
+  for (const auto& [offset, line] : line_.joints)
+    if (static_cast<std::size_t>(column) > offset) {
+      number = line;
+      column = std::max(error.column, 1) - static_cast<int>(offset);
+    }
+  if (style_ == Style::framed) {
+    std::string& out = out_.buffer();
+    if (!tag_.empty()) out.append("@").append(tag_).append(" ");
+    out.append("error ").append(name_of(error.kind)).append(" ").append(std::to_string(std::max(error.column, 1)));
+    out.append(" ").append(error.sentence).append("\n");
+    return;
+  }
+  // what was answered before stands before the error, also where both go to one terminal
+  out_.flush();
+  std::string where = where_;
+  if (where.empty()) where = (stack_.empty() ? name : stack_.back().name) + ":" + std::to_string(number);
+  errors_.write(where + ":" + std::to_string(column) + ": error " + std::string(name_of(error.kind)) + " " +
+                error.sentence + "\n");
+  where_.clear();
+}
+
+void Session::fail(Manager& manager) {
+  failed_ = true;
+  if (keep_going_) {
+    source_failed_ = true;
+    return;
+  }
+  // the text of a `source` command ends here, and so does the command
+  while (!stack_.empty() && stack_.back().answers) {
+    const Input ended = std::move(stack_.back());
+    stack_.pop_back();
+    if (!ended.tag.empty())
+      out_.buffer().append("@").append(ended.tag).append(" error io 1 ").append(ended.name).append(" had an error\n");
+  }
+  manager.session_failed(*this);
+}
+
+void Session::leave_texts() {
+  while (!stack_.empty() && !stack_.back().live) stack_.pop_back();
+}
+
+void Session::event(std::string_view text) {
+  if (style_ == Style::framed)
+    out_.buffer().append(text).append("\n");
+  else
+    errors_.write(std::string(text) + "\n");
+}
+
+}  // namespace manager

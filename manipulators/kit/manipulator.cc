@@ -1,0 +1,218 @@
+#include "manipulators/kit/manipulator.h"
+
+#include <unistd.h>
+
+#include <cassert>
+#include <cerrno>
+#include <charconv>
+#include <cstdio>
+
+namespace kit {
+namespace {
+
+using namespace objdb;
+
+void complain(const std::string& sentence) { std::fprintf(stderr, "%s\n", sentence.c_str()); }
+
+template <class T>
+T parse(std::string_view text, T missing) {
+  T value = missing;
+  std::from_chars(text.data(), text.data() + text.size(), value);
+  return value;
+}
+
+}  // namespace
+
+Manipulator::Manipulator(std::string name, std::string_view declarations) : name_(std::move(name)) {
+  hello_.name = name_;
+  LineWords line;
+  while (!declarations.empty()) {
+    const std::size_t end = declarations.find('\n');
+    std::string_view text = declarations.substr(0, end);
+    declarations.remove_prefix(end == std::string_view::npos ? declarations.size() : end + 1);
+    text.remove_prefix(std::min(text.find_first_not_of(" \t"), text.size()));
+    if (const Status split = line.split(text); !split) complain(name_ + ": " + split.error().sentence);
+    if (line.empty()) continue;
+    const Words rest = line.words().subspan(1);
+    Status declared;
+    if (line.words()[0].text == "type") {
+      if (const auto type = world_.declare_type(rest); !type) declared = type.error();
+    } else if (line.words()[0].text == "field") {
+      if (const auto field = world_.declare_field(rest); !field) declared = field.error();
+    }
+    if (!declared) complain(name_ + ": " + std::string(text) + ": " + declared.error().sentence);
+    assert(declared.ok());
+    declarations_.append(text).append("\n");
+  }
+}
+
+std::vector<const Object*> Manipulator::objects(std::string_view type) const {
+  const Type* known = world_.schema().find(type);
+  return known == nullptr ? std::vector<const Object*>() : world_.objects_of(*known);
+}
+
+Result<const Object*> Manipulator::object(const Word& word, std::string_view type) const {
+  const Result<ObjectId> id = world_.object(word, type.empty() ? nullptr : world_.schema().find(type));
+  if (!id) return id.error();
+  return world_.Database::object(*id);
+}
+
+const Object* Manipulator::target(const Object& object, std::string_view field) const {
+  return world_.object(static_cast<ObjectId>(get<std::int64_t>(object, field)));
+}
+
+std::string_view Manipulator::word(const Object& object, std::string_view field) const {
+  const int index = object.type->find(field);
+  return object.type->field(index).words[static_cast<std::size_t>(std::get<std::int64_t>(object.value(index)))];
+}
+
+void Manipulator::set(const Object& object, std::string_view field, Value value) {
+  const int index = object.type->find(field);
+  assert(index >= 0);
+  if (same_bits(object.value(index), value)) return;
+  if (Status status = world_.set(object, index, std::move(value)); !status) {
+    complain(status.error().sentence);
+    return;
+  }
+  append_set(output_, world_, object, index);
+}
+
+void Manipulator::set_word(const Object& object, std::string_view field, std::string_view word) {
+  const Field& declared = object.type->field(object.type->find(field));
+  for (std::size_t i = 0; i < declared.words.size(); ++i)
+    if (declared.words[i] == word) {
+      set(object, field, static_cast<std::int64_t>(i));
+      return;
+    }
+  assert(false && "no such word");
+}
+
+void Manipulator::say(std::string_view line) { output_.append(line).append("\n"); }
+
+void Manipulator::flush() {
+  std::string_view rest = output_;
+  while (!rest.empty()) {
+    const ssize_t count = ::write(STDOUT_FILENO, rest.data(), rest.size());
+    if (count < 0 && errno == EINTR) continue;
+    if (count < 0) {
+      // the manager is gone, and so is the reason to be
+      quit_ = true;
+      break;
+    }
+    rest.remove_prefix(static_cast<std::size_t>(count));
+  }
+  output_.clear();
+}
+
+bool Manipulator::read_line(std::string& line) {
+  while (true) {
+    const std::size_t newline = input_.find('\n', read_);
+    if (newline != std::string::npos) {
+      line.assign(input_, read_, newline - read_);
+      read_ = newline + 1;
+      return true;
+    }
+    // nothing more to do without waiting: now the manager may have what was said
+    flush();
+    if (quit_) return false;
+    input_.erase(0, read_);
+    read_ = 0;
+    const std::size_t size = input_.size();
+    input_.resize(size + 65536);
+    const ssize_t count = ::read(STDIN_FILENO, input_.data() + size, 65536);
+    input_.resize(size + static_cast<std::size_t>(std::max<ssize_t>(count, 0)));
+    if (count == 0 || (count < 0 && errno != EINTR)) return false;
+  }
+}
+
+int Manipulator::run() {
+  if (::isatty(STDIN_FILENO) != 0) {
+    complain(name_ + " is a manipulator: the dialog manager starts it (start " + name_ + "). See " + name_ +
+             " --help.");
+    return 2;
+  }
+  std::string line;
+  while (!quit_ && read_line(line)) hear(line);
+  flush();
+  return 0;
+}
+
+void Manipulator::hear(std::string_view line) {
+  if (const Status split = words_.split(line); !split || words_.empty()) return;
+  const std::string_view verb = words_.words()[0].text;
+  const Words rest = words_.words().subspan(1);
+  if (!words_.tag().empty()) {
+    answer(words_);
+  } else if (verb == "set" || verb == "create" || verb == "delete" || verb == "type" || verb == "field") {
+    hear_world(words_);
+  } else if (verb == "tick" && rest.size() == 3) {
+    const Tick tick{parse<std::uint64_t>(rest[0].text, 0), parse(rest[1].text, 0.0), parse(rest[2].text, 0.0)};
+    if (tick_) tick_(tick);
+    say("done " + std::to_string(tick.number));
+  } else if (verb == "checkpoint") {
+    if (checkpoint_) checkpoint_();
+    say("done");
+  } else if (verb == "hello") {
+    hear_hello(rest);
+  } else if (verb == "quit") {
+    quit_ = true;
+  }
+}
+
+void Manipulator::hear_hello(Words words) {
+  for (const Word& word : words) {
+    const std::size_t equals = word.text.find('=');
+    if (equals == std::string_view::npos) continue;
+    const std::string_view key = word.text.substr(0, equals), value = word.text.substr(equals + 1);
+    if (key == "name") hello_.name = value;
+    if (key == "seed") hello_.seed = parse<std::uint64_t>(value, 0);
+    if (key == "tick") hello_.tick = parse(value, hello_.tick);
+  }
+  output_ += declarations_;
+  say("ready");
+}
+
+void Manipulator::hear_world(const LineWords& words) {
+  const std::string_view verb = words.words()[0].text;
+  const Words rest = words.words().subspan(1);
+  const Scope top;
+  Status status;
+  if (verb == "set") {
+    status = set_statement(world_, rest, top);
+    // derived fields are told to programs that keep no scene; this one computes them
+    if (!status && status.error().kind == ErrorKind::owner) return;
+  } else if (verb == "create") {
+    if (const auto id = create_statement(world_, rest, top); !id) status = id.error();
+  } else if (verb == "delete") {
+    status = delete_statement(world_, rest, top);
+  } else if (verb == "type") {
+    if (const auto type = world_.declare_type(rest); !type) status = type.error();
+  } else {
+    if (const auto field = world_.declare_field(rest); !field) status = field.error();
+  }
+  if (!status) complain("the mirror refused a line: " + status.error().sentence);
+}
+
+void Manipulator::answer(const LineWords& words) {
+  const std::string tag(words.tag());
+  const auto handler = verbs_.find(words.words()[0].text);
+  const Result<std::string> reply =
+      handler == verbs_.end()
+          ? Result<std::string>(Error{ErrorKind::unknown, "no verb " + quote(words.words()[0].text), 1})
+          : handler->second(words.words().subspan(1));
+  if (!reply) {
+    const Error& error = reply.error();
+    say("@" + tag + " error " + std::string(name_of(error.kind)) + " " + std::to_string(std::max(error.column, 1)) +
+        " " + error.sentence);
+    return;
+  }
+  std::string_view body = *reply;
+  while (!body.empty()) {
+    const std::size_t end = body.find('\n');
+    output_.append("  ").append(body.substr(0, end)).append("\n");
+    body.remove_prefix(end == std::string_view::npos ? body.size() : end + 1);
+  }
+  say("@" + tag + " ok");
+}
+
+}  // namespace kit

@@ -288,12 +288,22 @@ Status Database::drop_referrers(const tsl::robin_set<ObjectId>& doomed, bool for
                      objects_[hit]->path + " is referred to by " + other->path + "." + field.name +
                          ", expected no reference (or: delete ... force)",
                      0};
+      if (other->place && i == scene::Scene::parent) {
+        empty_parent(*other);
+        continue;
+      }
       Value emptied = other->slots[i].value;
       drop_references(emptied, doomed);
       assign(*other, static_cast<int>(i), std::move(emptied));
     }
   }
   return {};
+}
+
+void Database::empty_parent(const Object& object) {
+  // then the node above it in its path carries it, which it must not carry itself
+  while (const Object* first = scene_->in_the_way(object)) empty_parent(*first);
+  assign(object, scene::Scene::parent, std::int64_t{0});
 }
 
 void Database::record(Change change) {

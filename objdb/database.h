@@ -70,8 +70,8 @@ class Database : public Names {
   /// check() and assign().
   Status set(const Object& object, int field, Value value);
   /// Deletes these objects and everything below them. Refused (busy) while others refer to them, unless `force`,
-  /// which empties those references. Cost in proportion to what goes; in proportion to the world when others refer to
-  /// it.
+  /// which empties those references (and the parents of nodes that would else be carried by themselves). Cost in
+  /// proportion to what goes; in proportion to the world when others refer to it.
   Status erase(std::vector<ObjectId> ids, bool force);
   void set_owner(const Object& object, int field, std::uint16_t owner);
 
@@ -136,6 +136,7 @@ class Database : public Names {
   std::shared_ptr<Object> remove(ObjectId id);
   void write(Object& object, int field, Value& value, const Origin& origin);
   void count_references(const Field& field, const Value& value, int step);
+  void empty_parent(const Object& object);
   Status drop_referrers(const tsl::robin_set<ObjectId>& doomed, bool force);
   void touch(Object& object, int field);
   void touch_hash(Object& object);

@@ -65,8 +65,7 @@ std::vector<ObjectId> Scene::top_down(std::span<const ObjectId> nodes) const {
   return out;
 }
 
-ObjectId Scene::effective_parent(const Object& object) const {
-  const auto reference = static_cast<ObjectId>(std::get<std::int64_t>(object.value(parent)));
+ObjectId Scene::carrier(const Object& object, ObjectId reference) const {
   if (reference != 0) return reference;
   for (const Object* above = database_.object(object.parent); above != nullptr; above = database_.object(above->parent))
     if (above->place) return above->id;
@@ -76,17 +75,27 @@ ObjectId Scene::effective_parent(const Object& object) const {
 Status Scene::check_parent(const Object& object, ObjectId wanted) const {
   // a node that carries nothing closes no circle but with itself
   if (object.place->children.empty() && wanted != object.id) return {};
-  for (const Object* above = database_.object(wanted); above != nullptr; above = database_.object(above->place->parent))
+  const ObjectId first = carrier(object, wanted);
+  for (const Object* above = database_.object(first); above != nullptr; above = database_.object(above->place->parent))
     if (above == &object)
       return Error{ErrorKind::range,
-                   object.path + ".parent: " + std::string(database_.path(wanted)) + " moves with " + object.path +
+                   object.path + ".parent: " + std::string(database_.path(first)) +
+                       (wanted == 0 ? ", the node above it in its path, moves with " : " moves with ") + object.path +
                        " itself, expected a node outside of what it carries",
                    0};
   return {};
 }
 
+const Object* Scene::in_the_way(const Object& object) const {
+  if (check_parent(object, 0)) return nullptr;
+  // paths alone make no circle: somewhere between the node above and this one there is a reference
+  const Object* each = database_.object(carrier(object, 0));
+  while (std::get<std::int64_t>(each->value(parent)) == 0) each = database_.object(each->place->parent);
+  return each;
+}
+
 void Scene::link(Object& object) {
-  object.place->parent = effective_parent(object);
+  object.place->parent = carrier(object, static_cast<ObjectId>(std::get<std::int64_t>(object.value(parent))));
   if (Object* above = database_.mutable_object(object.place->parent)) insert_id(above->place->children, object.id);
 }
 

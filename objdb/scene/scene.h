@@ -36,8 +36,10 @@ class Scene {
   /// The same nodes, none before a node that carries it. Cost in proportion to the nodes and what carries them.
   std::vector<ObjectId> top_down(std::span<const ObjectId> nodes) const;
 
-  /// Would `parent` as the parent of `object` close a circle? Error range.
+  /// Would `parent` (0: the node above it in its path) as the parent of `object` close a circle? Error range.
   Status check_parent(const Object& object, ObjectId parent) const;
+  /// The first node whose parent reference must be emptied before that of `object` can be, or null.
+  const Object* in_the_way(const Object& object) const;
 
   // told by the database
   void created(Object& object);
@@ -45,7 +47,7 @@ class Scene {
   void changed(Object& object, int field);
 
  private:
-  ObjectId effective_parent(const Object& object) const;
+  ObjectId carrier(const Object& object, ObjectId reference) const;
   void link(Object& object);
   void unlink(Object& object);
   void invalidate(Object& object);

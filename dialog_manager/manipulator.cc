@@ -23,6 +23,7 @@ constexpr int starts_allowed = 5;
 constexpr auto starts_window = std::chrono::seconds(10);
 constexpr int refusals_in_a_row = 100;
 // without a checkpoint a restart needs every line told so far; beyond this it is given up
+constexpr std::size_t longest_answer = 64u << 20;
 constexpr std::size_t longest_log = 256u << 20;
 
 Error error_at(const Word& word, ErrorKind kind, std::string sentence) {
@@ -96,7 +97,7 @@ void Manipulator::quit() {
     return;
   }
   input_->write("quit\n");
-  input_->flush();
+  flush();
 }
 
 void Manipulator::kill() {
@@ -131,8 +132,8 @@ void Manipulator::died(const std::string& how) {
   while (!starts_.empty() && Wall::now() - starts_.front() > starts_window) starts_.pop_front();
   if (strikes_ >= strikes_allowed || static_cast<int>(starts_.size()) > starts_allowed || !log_whole_) {
     give_up({ErrorKind::gone,
-             name + " ended with " + how + ", for the " + std::to_string(strikes_) + ". time, at tick " +
-                 std::to_string(last_tick_),
+             name + " ended with " + how + " at tick " + std::to_string(last_tick_) + ", " + std::to_string(strikes_) +
+                 (strikes_ == 1 ? " time" : " times in a row"),
              0});
     return;
   }
@@ -299,10 +300,18 @@ void Manipulator::receive(std::string_view line) {
     --to_drop_;
     return;
   }
-  if (awaited_)
-    answer_.append(line).append("\n");
-  else
+  if (!awaited_) {
     said(line);
+    return;
+  }
+  // what is no command at all is refused at once, so that garbage does not grow until the end of the tick
+  const std::string_view verb = line.substr(0, line.find_first_of(" \t"));
+  if (!line.empty() && line[0] != '#' && find_command(verb) == nullptr)
+    refuse({ErrorKind::unknown, "no verb " + quote(verb.substr(0, 60)), 1});
+  else if (answer_.size() > longest_answer)
+    refuse({ErrorKind::limit, "more than " + std::to_string(longest_answer) + " bytes in one tick", 1});
+  else
+    answer_.append(line).append("\n");
 }
 
 void Manipulator::said(std::string_view line) {
@@ -632,66 +641,69 @@ void Manipulator::tell_world() {
   told_.clear();
   told_types_.clear();
   manager_.world.for_each("**", [&](const Object& object) {
-    if (interest(*object.type).any && serves(object)) tell_object(object);
+    if (interest(*object.type).any && serves(object)) meet(object);
   });
+  introduce();
   say(outgoing_);
   outgoing_.clear();
   state_ = State::active;
 }
 
-void Manipulator::tell_types(const Type& type) {
+void Manipulator::meet_type(const Type& type) {
   const Schema& schema = manager_.world.schema();
   const auto types = schema.types();
-  const auto index = static_cast<std::size_t>(
-      std::find_if(types.begin(), types.end(), [&](const auto& each) { return each.get() == &type; }) - types.begin());
+  const auto found = std::find_if(types.begin(), types.end(), [&](const auto& each) { return each.get() == &type; });
+  const auto index = static_cast<std::size_t>(found - types.begin());
   if (index < schema.built_in()) return;
   if (told_types_.size() <= index) told_types_.resize(index + 1);
   if (told_types_[index]) return;
   told_types_[index] = true;
-  if (type.base() != nullptr) tell_types(*type.base());
+  if (type.base() != nullptr) meet_type(*type.base());
   if (std::find(own_types_.begin(), own_types_.end(), &type) != own_types_.end()) return;
   outgoing_ += "type " + type.name() + (type.base() == nullptr ? "" : " extends " + type.base()->name()) + "\n";
   const Interest& wanted = interest(type);
   for (std::size_t i = 0; i < type.fields().size(); ++i) {
     const Field& field = *type.fields()[i];
     if (field.owner != &type || wanted.fields[i] == 0) continue;
-    if (field.ref_type != nullptr) tell_types(*field.ref_type);
+    if (field.ref_type != nullptr) meet_type(*field.ref_type);
     outgoing_ += field.declaration() + "\n";
   }
 }
 
-void Manipulator::tell_targets(const Field& field, const Value& value) {
+void Manipulator::meet_targets(const Field& field, const Value& value) {
   if (!field.holds_refs()) return;
-  const auto tell = [&](std::int64_t id) {
-    if (const Object* target = manager_.world.object(static_cast<ObjectId>(id))) tell_object(*target);
+  const auto visit = [&](std::int64_t target) {
+    if (const Object* object = manager_.world.object(static_cast<ObjectId>(target))) meet(*object);
   };
-  if (const auto* one = std::get_if<std::int64_t>(&value)) tell(*one);
+  if (const auto* one = std::get_if<std::int64_t>(&value)) visit(*one);
   if (const auto* many = std::get_if<std::vector<std::int64_t>>(&value))
-    for (const std::int64_t each : *many) tell(each);
+    for (const std::int64_t each : *many) visit(each);
 }
 
-void Manipulator::tell_object(const Object& object) {
+// an object brings along what it stands below and what its references name
+void Manipulator::meet(const Object& object) {
   if (told(object.id)) return;
   if (told_.size() <= object.id) told_.resize(object.id + 1);
   told_[object.id] = true;
-  if (const Object* parent = manager_.world.object(object.parent)) tell_object(*parent);
-  tell_types(*object.type);
+  fresh_.push_back(&object);
+  if (const Object* parent = manager_.world.object(object.parent)) meet(*parent);
+  meet_type(*object.type);
   const Interest& wanted = interest(*object.type);
-  const auto include = [&](const Field& field) {
-    return wanted.fields[static_cast<std::size_t>(object.type->find(field))] != 0;
-  };
-  append_create(outgoing_, manager_.world, object, include);
   for (std::size_t i = 0; i < object.slots.size(); ++i)
-    if (wanted.fields[i] != 0) tell_targets(*object.type->fields()[i], object.slots[i].value);
-  append_later_sets(outgoing_, manager_.world, object, include);
-  for (std::size_t i = 0; i < object.slots.size(); ++i)
-    if (wanted.fields[i] != 0 && object.type->fields()[i]->derived)
-      append_set(outgoing_, manager_.world, object, static_cast<int>(i));
+    if (wanted.fields[i] != 0) meet_targets(*object.type->fields()[i], object.slots[i].value);
 }
 
-void Manipulator::tell_value(const Object& object, int field) {
-  tell_targets(object.type->field(field), object.value(field));
-  append_set(outgoing_, manager_.world, object, field);
+void Manipulator::introduce() {
+  std::sort(fresh_.begin(), fresh_.end(), [](const Object* a, const Object* b) { return a->id < b->id; });
+  append_objects(outgoing_, manager_.world, fresh_, [&](const Object& object, const Field& field) {
+    return interest(*object.type).fields[static_cast<std::size_t>(object.type->find(field))] != 0;
+  });
+  for (const Object* object : fresh_) {
+    const Interest& wanted = interest(*object->type);
+    for (std::size_t i = 0; i < object->slots.size(); ++i)
+      if (wanted.fields[i] != 0 && object->type->fields()[i]->derived)
+        append_set(outgoing_, manager_.world, *object, static_cast<int>(i));
+  }
 }
 
 void Manipulator::tell_changes() {
@@ -700,11 +712,8 @@ void Manipulator::tell_changes() {
   std::vector<std::pair<ObjectId, int>> held = std::move(deferred_);
   deferred_.clear();
 
-  struct Change {
-    const Object* object;
-    int field;
-  };
-  std::vector<Change> changes;
+  std::vector<std::pair<const Object*, int>> changes;
+  fresh_.clear();
   manager_.world.read_feed(feed_, [&](const Database::Event& event, const Object& object) {
     if (event.field == Database::Event::deleted) {
       if (!told(event.object)) return;
@@ -713,37 +722,37 @@ void Manipulator::tell_changes() {
       told_[event.object] = false;
       return;
     }
-    changes.push_back({&object, event.field});
+    const Interest& wanted = interest(*object.type);
+    if (event.field == Database::Event::created || !told(object.id)) {
+      const bool of_interest = event.field == Database::Event::created
+                                   ? wanted.any
+                                   : wanted.fields[static_cast<std::size_t>(event.field)] != 0;
+      if (of_interest && serves(object)) meet(object);
+    } else if (wanted.fields[static_cast<std::size_t>(event.field)] != 0) {
+      changes.emplace_back(&object, event.field);
+    }
   });
+  for (const auto& [object, field] : changes) meet_targets(object->type->field(field), object->value(field));
+  introduce();
+
   for (const auto& [held_id, field] : held)
     if (const Object* object = manager_.world.object(held_id); object != nullptr && told(held_id))
-      tell_value(*object, field);
-  std::vector<ObjectId> fresh;
+      append_set(outgoing_, manager_.world, *object, field);
   for (const auto& [object, field] : changes) {
-    if (manager_.world.object(object->id) != object) continue;
-    const Interest& wanted = interest(*object->type);
-    if (field == Database::Event::created) {
-      if (told(object->id) || !wanted.any || !serves(*object)) continue;
-      tell_object(*object);
-      fresh.push_back(object->id);
+    if (std::binary_search(fresh_.begin(), fresh_.end(), object,
+                           [](const Object* a, const Object* b) { return a->id < b->id; }))
       continue;
-    }
-    const signed char want = wanted.fields[static_cast<std::size_t>(field)];
-    if (want == 0) continue;
-    // an object may have been told only because its type became known later
-    if (!told(object->id)) {
-      if (serves(*object)) tell_object(*object);
-      continue;
-    }
-    if (std::find(fresh.begin(), fresh.end(), object->id) != fresh.end()) continue;
     const Slot& slot = object->slots[static_cast<std::size_t>(field)];
-    if (slot.origin.source == id && !object->type->field(field).derived) continue;
-    if (want == 2 && manager_.tick_in_flight() && slot.origin.tick == manager_.clock.tick() + 1) {
+    const bool derived = object->type->field(field).derived;
+    // nobody is told its own words
+    if (slot.origin.source == id && !derived) continue;
+    const bool delayed = interest(*object->type).fields[static_cast<std::size_t>(field)] == 2;
+    if (delayed && manager_.tick_in_flight() && slot.origin.tick == manager_.clock.tick() + 1)
       deferred_.emplace_back(object->id, field);
-      continue;
-    }
-    tell_value(*object, field);
+    else
+      append_set(outgoing_, manager_.world, *object, field);
   }
+  fresh_.clear();
   say(outgoing_);
   outgoing_.clear();
 }
@@ -815,7 +824,10 @@ std::optional<Manipulator::Reply> Manipulator::take_reply(std::uint64_t number) 
 std::size_t Manipulator::queued() const { return input_ ? input_->pending() : 0; }
 
 void Manipulator::flush() {
-  if (input_) input_->flush();
+  if (!input_) return;
+  input_->flush();
+  // the end of its input is a second way to say quit
+  if (quitting_ && input_->pending() == 0) input_.reset();
 }
 
 }  // namespace manager

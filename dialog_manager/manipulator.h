@@ -120,10 +120,10 @@ class Manipulator : public Source, public objdb::Gate {
   bool serves(const objdb::Object& object) const;
   void tell_world();
   void tell_changes();
-  void tell_object(const objdb::Object& object);
-  void tell_types(const objdb::Type& type);
-  void tell_targets(const objdb::Field& field, const objdb::Value& value);
-  void tell_value(const objdb::Object& object, int field);
+  void meet_type(const objdb::Type& type);
+  void meet_targets(const objdb::Field& field, const objdb::Value& value);
+  void meet(const objdb::Object& object);
+  void introduce();
   bool told(objdb::ObjectId id) const { return id < told_.size() && told_[id]; }
   bool declared_here(const objdb::Type& type) const;
   void pass_errors_on();
@@ -152,6 +152,7 @@ class Manipulator : public Source, public objdb::Gate {
   bool subscribed_ = false;
   std::vector<bool> told_;
   std::vector<bool> told_types_;
+  std::vector<const objdb::Object*> fresh_;                // met, not yet told
   std::vector<std::pair<objdb::ObjectId, int>> deferred_;  // delayed reads of this tick
   tsl::robin_map<const objdb::Type*, Interest> interests_;
   std::string outgoing_;

@@ -79,8 +79,8 @@ Result<Value> replace_elements(const Object& object, const Field& field, const T
 Status check_length(std::string_view path, const Field& field, const Value& value) {
   const auto check = [&](const std::string& text) -> Status {
     if (text.size() < longest_line / 2 - 2 * longest_path) return {};
-    const std::size_t line =
-        std::string_view("set .[1000000] \n").size() + path.size() + field.name.size() + quote(text).size();
+    const std::size_t line = std::string_view("set . \n").size() + path.size() + field.name.size() +
+                             quote(text).size() + (field.array ? std::string_view("[1000000]").size() : 0);
     if (line <= longest_line) return {};
     return Error{ErrorKind::limit,
                  field.name + ": the line that says this value would have " + std::to_string(line) +
@@ -340,13 +340,13 @@ Status delete_statement(Database& database, Words words, const Scope& scope) {
 }
 
 void append_create(std::string& out, const Database& database, const Object& object,
-                   const std::function<bool(const Field&)>& include) {
+                   const Include& include) {
   const std::size_t line = out.size();
   std::vector<int> overflow;
   out += "create " + object.type->name() + " " + object.path;
   for (int i = 0; i < static_cast<int>(object.slots.size()); ++i) {
     const Field& field = object.type->field(i);
-    if (field.derived || field.said_later() || !include(field) || object.is_default(i)) continue;
+    if (field.derived || field.said_later() || !include(object, field) || object.is_default(i)) continue;
     const std::size_t before = out.size();
     out += " " + field.name + " ";
     append_value(out, field, object.value(i), database);
@@ -359,23 +359,25 @@ void append_create(std::string& out, const Database& database, const Object& obj
 }
 
 void append_later_sets(std::string& out, const Database& database, const Object& object,
-                       const std::function<bool(const Field&)>& include) {
+                       const Include& include) {
   for (int i = 0; i < static_cast<int>(object.slots.size()); ++i) {
     const Field& field = object.type->field(i);
-    if (!field.derived && field.said_later() && include(field) && !object.is_default(i))
+    if (!field.derived && field.said_later() && include(object, field) && !object.is_default(i))
       append_set(out, database, object, i);
   }
 }
 
 void append_objects(std::string& out, const Database& database, std::span<const Object* const> objects,
-                    const std::function<bool(const Field&)>& include) {
+                    const Include& include) {
   const Field& parent = database.schema().find("node")->field(scene::Scene::parent);
   std::vector<ObjectId> moved;
   for (const Object* object : objects) {
     append_create(out, database, *object, include);
-    if (object->place && include(parent) && !object->is_default(scene::Scene::parent)) moved.push_back(object->id);
+    if (object->place && include(*object, parent) && !object->is_default(scene::Scene::parent)) moved.push_back(object->id);
   }
-  const auto but_parent = [&](const Field& field) { return &field != &parent && include(field); };
+  const auto but_parent = [&](const Object& object, const Field& field) {
+    return &field != &parent && include(object, field);
+  };
   for (const Object* object : objects) append_later_sets(out, database, *object, but_parent);
   for (const ObjectId node : database.scene().top_down(moved))
     append_set(out, database, *database.object(node), scene::Scene::parent);
@@ -418,7 +420,7 @@ std::string save(const Database& database) {
   append_declarations(out, database.schema());
   std::vector<const Object*> objects;
   database.for_each("**", [&](const Object& object) { objects.push_back(&object); });
-  append_objects(out, database, objects, [](const Field& field) { return !field.measured; });
+  append_objects(out, database, objects, [](const Object&, const Field& field) { return !field.measured; });
   return out;
 }
 

@@ -1,6 +1,7 @@
 #include "manipulators/face_fem/factor.h"
 
 #include <cmath>
+#include <sstream>
 #include <string>
 
 #include "manipulators/face_fem/clock.h"
@@ -14,6 +15,7 @@ struct Factor::Content {
   Panels<double> L;
   mutable Panels<float> single;
   FactorCost cost;
+  Elimination elimination = Elimination::fronts;
 };
 
 namespace {
@@ -60,28 +62,36 @@ Result<Factor> Factor::make(const Stiffness& K, const std::vector<std::array<boo
   auto symbolic = analyse(K, free, options.order);
   if (!symbolic) return symbolic.error();
   content->symbolic = std::move(*symbolic);
-  const double ordered = cpu_seconds();
-  const Ordered A = put_in_order(K, held, content->symbolic);
-  auto L = options.elimination == Elimination::fronts ? eliminate_fronts(A, content->symbolic)
-                                                      : eliminate_cholmod(A, content->symbolic);
-  if (!L) return L.error();
-  content->L = std::move(*L);
-  content->cost = {ordered - begin, cpu_seconds() - ordered, content->symbolic.nonzeros, content->symbolic.flops,
-                   8.0 * double(content->L.size())};
+  content->elimination = options.elimination;
+  content->cost.order_seconds = cpu_seconds() - begin;
+  content->cost.nonzeros = content->symbolic.nonzeros;
+  content->cost.flops = content->symbolic.flops;
+  content->cost.bytes = 8.0 * double(content->symbolic.panel_start.back());
   Factor factor(std::move(content));
-  const double rcond = factor.rcond();
-  if (!(rcond >= least_rcond)) {
-    // the degree of freedom with the smallest pivot shows where the mechanism is
-    const std::vector<double> d = diagonal(factor.symbolic(), factor.content_->L);
-    int weakest = 0;
-    for (int k = 0; k < int(d.size()); ++k)
-      if (!(d[k] >= d[weakest])) weakest = k;
-    return Error{Fault::conditioning,
-                 "reciprocal condition must be at least 1e-12, is " + std::to_string(rcond) +
-                     ": something can move without resistance",
-                 factor.symbolic().node[weakest / 3]};
-  }
+  if (auto status = factor.refactor(K); !status) return status.error();
   return factor;
+}
+
+Status Factor::refactor(const Stiffness& K) {
+  const double begin = cpu_seconds();
+  const Ordered A = put_in_order(K, content_->held, content_->symbolic);
+  auto L = content_->elimination == Elimination::fronts ? eliminate_fronts(A, content_->symbolic)
+                                                        : eliminate_cholmod(A, content_->symbolic);
+  if (!L) return L.error();
+  content_->L = std::move(*L);
+  content_->single.clear();
+  content_->cost.factor_seconds = cpu_seconds() - begin;
+  const double condition = rcond();
+  if (condition >= least_rcond) return success();
+  // the degree of freedom with the smallest pivot shows where the mechanism is
+  const std::vector<double> d = diagonal(symbolic(), content_->L);
+  int weakest = 0;
+  for (int k = 0; k < int(d.size()); ++k)
+    if (!(d[k] >= d[weakest])) weakest = k;
+  std::ostringstream text;
+  text << "the reciprocal condition must be at least " << least_rcond << ", is " << condition
+       << ": something can move without resistance";
+  return Error{Fault::conditioning, text.str(), symbolic().node[weakest / 3]};
 }
 
 Field Factor::solve(const Field& f) const {

@@ -39,6 +39,9 @@ class Factor {
   static Result<Factor> make(const Stiffness& K, const std::vector<std::array<bool, 3>>& held,
                              const FactorOptions& options = {});
 
+  /// New numbers for the same pattern and supports; the order is kept. Errors as make(); the factor is then unusable.
+  Status refactor(const Stiffness& K);
+
   Factor(Factor&&) noexcept;
   Factor& operator=(Factor&&) noexcept;
   ~Factor();

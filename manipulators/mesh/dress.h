@@ -17,6 +17,9 @@ struct Garment {
   Eigen::MatrixX4d planes = Eigen::MatrixX4d(0, 4);  ///< inside where n . p + d >= 0; rows nx ny nz d, bind pose
   Eigen::MatrixX4d lines = Eigen::MatrixX4d(0, 4);   ///< a polyline of balls x y z r; a ball of radius 0 ends a line
   double thickness = 0;  ///< how far the cloth lies above the skin, metres; its edge is closed
+  /// What hangs wide: cloth is thicker by max(0, n . p + d); nx ny nz d, bind pose, metres per metre.
+  Eigen::Vector4d flare = Eigen::Vector4d::Zero();
+  int smoothing = 0;  ///< passes that even out, along the normals, what is under the cloth
 };
 
 /// Cuts the surface of `skin` along the borders of the garments (new vertices carry mixed weights, so borders are

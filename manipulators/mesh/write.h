@@ -7,9 +7,10 @@
 
 namespace mesh {
 
-/// Writes `surface` as OBJ (one `g` group per part), binary PLY (with the part of each face), binary STL or
-/// binary glTF, by the ending of `path` (.obj .ply .stl .glb). Returns the number of bytes written.
-/// Errors: `io` file cannot be written, `unknown` ending, `range` surface that breaks its invariants.
+/// Writes `surface` as OBJ (one group per part), binary PLY, binary STL or binary glTF (one mesh per part), by the
+/// ending of `path` (.obj .ply .stl .glb). Returns the number of bytes written. PLY and STL keep no parts, STL no
+/// sharing of vertices. OBJ has nine significant digits: floats read back exactly. Errors: `io` file cannot be written,
+/// `unknown` ending, `range` surface that breaks its invariants.
 Result<std::size_t> write_surface(const std::string& path, const Surface& surface);
 
 }  // namespace mesh

@@ -2,6 +2,7 @@
 #include <cstdio>
 
 #include "manipulators/head_ik/figure.h"
+#include "manipulators/head_ik/heads.h"
 #include "manipulators/head_ik/solve_command.h"
 
 int main(int argc, char** argv) {
@@ -48,5 +49,5 @@ int main(int argc, char** argv) {
     solve.paper = method == "paper_zyz";
     return solve_command(make_neck(neck_kind), solve);
   }
-  return 0;
+  return head::Heads().run();
 }

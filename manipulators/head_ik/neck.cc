@@ -194,6 +194,15 @@ Vector3d Neck::origin_of_head(const Vector3d& total) const {
   return frame.p;
 }
 
+std::pair<Vector3d, Vector3d> Neck::groups(const Vector3d& total) const {
+  double angles[3 * most_levels];
+  spread(total, angles);
+  const int lower_levels = size() - std::min(2, (size() + 1) / 2);
+  std::pair<Vector3d, Vector3d> sums(Vector3d::Zero(), Vector3d::Zero());
+  for (int i = 0; i < size(); ++i) (i < lower_levels ? sums.first : sums.second) += Vector3d(angles + 3 * i);
+  return sums;
+}
+
 double Neck::tilt(const Vector3d& total) const {
   const double F = total[flexion] > 0 ? highest_[flexion] : -lowest_[flexion];
   const double L = total[lateral] > 0 ? highest_[lateral] : -lowest_[lateral];

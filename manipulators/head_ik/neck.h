@@ -4,6 +4,7 @@
 #include <array>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "manipulators/head_ik/zyz.h"
@@ -59,6 +60,10 @@ class Neck {
   /// The rotation of the head and the position of its origin, both in the neck's frame.
   Eigen::Matrix3d rotation(const Eigen::Vector3d& total) const;
   Eigen::Vector3d origin_of_head(const Eigen::Vector3d& total) const;
+
+  /// The published model's six inputs: the sums of the joint angles of the lower and the upper group. The upper group
+  /// is the top two levels (C1-2 and C0-1), of two levels the top one.
+  std::pair<Eigen::Vector3d, Eigen::Vector3d> groups(const Eigen::Vector3d& total) const;
 
   /// How far out a posture is: 1 on the boundary of the swing ellipse (`tilt`) or of the axial interval.
   double tilt(const Eigen::Vector3d& total) const;

@@ -137,8 +137,10 @@ Result<ObjectId> Database::create(const Type& type, std::string_view path) {
 void Database::insert(std::shared_ptr<Object> object) {
   Object& inserted = *object;
   // fields may have been declared while it was deleted
-  for (std::size_t i = inserted.slots.size(); i < inserted.type->fields().size(); ++i)
+  for (std::size_t i = inserted.slots.size(); i < inserted.type->fields().size(); ++i) {
     inserted.slots.emplace_back().value = inserted.type->fields()[i]->standard;
+    touch(inserted, static_cast<int>(i));
+  }
   objects_[inserted.id] = std::move(object);
   index_.emplace(inserted.path, inserted.id);
   if (Object* parent = mutable_object(inserted.parent)) scene::insert_id(parent->children, inserted.id);
@@ -153,13 +155,13 @@ void Database::insert(std::shared_ptr<Object> object) {
 }
 
 std::shared_ptr<Object> Database::remove(ObjectId id) {
-  std::shared_ptr<Object> object = std::move(objects_[id]);
-  objects_[id] = nullptr;
+  std::shared_ptr<Object> object = objects_[id];
   index_.erase(object->path);
   if (Object* parent = mutable_object(object->parent)) scene::erase_id(parent->children, id);
   for (std::size_t i = 0; i < object->slots.size(); ++i)
     if (object->type->fields()[i]->holds_refs())
       count_references(*object->type->fields()[i], object->slots[i].value, -1);
+  objects_[id] = nullptr;
   scene_->erased(*object);
   hash_ -= object->hash;
   // what no feed has seen created, no feed is told deleted
@@ -372,8 +374,7 @@ std::uint64_t Database::push_event(ObjectId id, int field) {
 }
 
 void Database::touch(Object& object, int field) {
-  // a creation that nobody has read yet speaks for every value
-  if (open_feeds_ == 0 || object.created_event >= furthest_read_) return;
+  if (open_feeds_ == 0) return;
   Slot& slot = object.slots[static_cast<std::size_t>(field)];
   // an event that nobody has read yet speaks for the new value too
   if (slot.event >= furthest_read_) return;
@@ -406,9 +407,38 @@ void Database::unsubscribe(FeedId id) {
 
 bool Database::has_events(FeedId id) const { return feeds_[id].next < event_base_ + events_.size(); }
 
+Database::Deaths Database::deaths(std::uint64_t first, std::uint64_t end) const {
+  Deaths out;
+  if (deleted_.empty()) return out;
+  std::vector<std::uint64_t> gone;
+  for (std::uint64_t number = first; number < end; ++number) {
+    const Event& event = events_[number - event_base_];
+    if (event.field != Event::deleted || deleted_.find(number)->second.created_event >= first) continue;
+    if (object(event.object) != nullptr)
+      out.undone.insert(event.object);
+    else
+      gone.push_back(number);
+  }
+  for (const std::uint64_t number : gone) {
+    // it must go at once when its path, or that of something above it, was given to another object
+    bool reborn = false;
+    std::string_view path = deleted_.find(number)->second.object->path;
+    for (; !path.empty() && !reborn; path = parent_path(path)) {
+      const Object* other = find(path);
+      reborn = other != nullptr && other->created_event >= first && !out.undone.contains(other->id);
+    }
+    (reborn ? out.early : out.late).push_back(number);
+  }
+  return out;
+}
+
 void Database::read_feed(FeedId id, const std::function<void(const Event&, const Object&)>& visit) {
   const std::uint64_t first = feeds_[id].next, end = event_base_ + events_.size();
   furthest_read_ = std::max(furthest_read_, end);
+  const Deaths deaths = this->deaths(first, end);
+  const auto bury = [&](std::uint64_t number) {
+    visit(events_[number - event_base_], *deleted_.find(number)->second.object);
+  };
   std::vector<Event> later;
   std::vector<ObjectId> moved;
   const auto visit_later = [&](const Event& event, const Object& object) {
@@ -417,33 +447,35 @@ void Database::read_feed(FeedId id, const std::function<void(const Event&, const
     else
       later.push_back(event);
   };
+
+  for (const std::uint64_t number : deaths.early) bury(number);
   for (std::uint64_t number = first; number < end; ++number) {
     const Event event = events_[number - event_base_];
-    if (event.field == Event::deleted) {
-      const Deleted& gone = deleted_.find(number)->second;
-      if (gone.created_event < first) visit(event, *gone.object);
-      continue;
-    }
-    const Object* object = this->object(event.object);
+    const Object* object = event.field == Event::deleted ? nullptr : this->object(event.object);
     if (object == nullptr) continue;
+    const bool known = object->created_event < first || deaths.undone.contains(object->id);
     if (event.field == Event::created) {
-      if (object->created_event != number) continue;
+      if (known || object->created_event != number) continue;
       visit(event, *object);
       for (int i = 0; i < static_cast<int>(object->slots.size()); ++i)
         if (object->type->field(i).said_later() && !object->is_default(i))
           visit_later({number, object->id, i}, *object);
-    } else if (object->created_event < first && object->slots[static_cast<std::size_t>(event.field)].event == number) {
+    } else if (known && object->slots[static_cast<std::size_t>(event.field)].event == number) {
       if (object->type->field(event.field).holds_refs())
         visit_later(event, *object);
       else
         visit(event, *object);
     }
   }
+
   for (const Event& event : later) visit(event, *object(event.object));
+  // an early deletion may have emptied parents there that were not emptied here
+  if (!deaths.early.empty()) moved = scene_->carried_by(moved);
   for (const ObjectId node : scene_->top_down(moved)) {
     const Object& object = *objects_[node];
     visit({object.slots[scene::Scene::parent].event, node, scene::Scene::parent}, object);
   }
+  for (const std::uint64_t number : deaths.late) bury(number);
   feeds_[id].next = end;
   trim_events();
 }

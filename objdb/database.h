@@ -103,12 +103,13 @@ class Database : public Names {
   FeedId subscribe();
   void unsubscribe(FeedId id);
   /// Every change since the last call, coalesced, in an order in which another database can follow line by line:
-  /// deletions (`object` is the object as it was; its children come before it), creations and plain values as they
-  /// happened, then references, those of node.parent from the top of the tree of frames down. A value that changed
-  /// twice is visited once. A creation speaks for every value that append_create() says; references and long arrays
-  /// (Field::said_later) of the new object are visited later, each as a value. What was created and deleted since the
-  /// last call is not visited. A derived value is visited when it changes after somebody looked at it.
-  /// `visit` must not change the database. Cost in proportion to the changes.
+  /// deletions of objects whose path was given to another one, creations and plain values as they happened,
+  /// references, those of node.parent from the top of the tree of frames down, all other deletions (children first).
+  /// A value that changed twice is visited once. A creation speaks for every value that append_create() says;
+  /// references and long arrays (Field::said_later) of the new object follow, each as a value. What was created and
+  /// deleted, or deleted and brought back by roll_back, since the last call is neither created nor deleted here. For
+  /// deleted objects `object` is the object as it was. A derived value is visited when it changes after somebody looked
+  /// at it. `visit` must not change the database. Cost in proportion to the changes.
   void read_feed(FeedId id, const std::function<void(const Event&, const Object&)>& visit);
   bool has_events(FeedId id) const;
 
@@ -170,6 +171,13 @@ class Database : public Names {
     std::uint64_t created_event;  // of the life that ended: an undone deletion gives it another
   };
   tsl::robin_map<std::uint64_t, Deleted> deleted_;  // by number of the event
+
+  // deletions that a feed must be told of
+  struct Deaths {
+    std::vector<std::uint64_t> early, late;  // numbers of their events
+    tsl::robin_set<ObjectId> undone;         // known to the feed, deleted and brought back
+  };
+  Deaths deaths(std::uint64_t first, std::uint64_t end) const;
 
   std::vector<ObjectId> stale_;
   std::uint64_t hash_ = 0;

@@ -65,6 +65,18 @@ std::vector<ObjectId> Scene::top_down(std::span<const ObjectId> nodes) const {
   return out;
 }
 
+std::vector<ObjectId> Scene::carried_by(const std::vector<ObjectId>& nodes) const {
+  std::vector<ObjectId> out;
+  tsl::robin_set<ObjectId> seen;
+  const auto add = [&](const std::vector<ObjectId>& ids) {
+    for (const ObjectId id : ids)
+      if (seen.insert(id).second) out.push_back(id);
+  };
+  add(nodes);
+  for (std::size_t i = 0; i < out.size(); ++i) add(database_.object(out[i])->place->children);
+  return out;
+}
+
 ObjectId Scene::carrier(const Object& object, ObjectId reference) const {
   if (reference != 0) return reference;
   for (const Object* above = database_.object(object.parent); above != nullptr; above = database_.object(above->parent))

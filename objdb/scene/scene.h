@@ -35,6 +35,8 @@ class Scene {
 
   /// The same nodes, none before a node that carries it. Cost in proportion to the nodes and what carries them.
   std::vector<ObjectId> top_down(std::span<const ObjectId> nodes) const;
+  /// These nodes and all that they carry, each once.
+  std::vector<ObjectId> carried_by(const std::vector<ObjectId>& nodes) const;
 
   /// Would `parent` (0: the node above it in its path) as the parent of `object` close a circle? Error range.
   Status check_parent(const Object& object, ObjectId parent) const;

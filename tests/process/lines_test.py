@@ -67,8 +67,8 @@ class Lines(Case):
         manager.must("type edge")
         manager.must("field edge.x real")
         manager.must("create edge e")
-        for text, printed in ((b"-0", "-0"), (b"1e308", "1e308"), (b"-1e308", "-1e308"), (b"5e-324", "5e-324"), (b"1e-400", "0"),
-                              (b"1" + b"0" * 300, "1e300"), (b"0." + b"0" * 300 + b"1", "1e-301"), (b"9" * 400, None),
+        for text, printed in ((b"-0", "-0"), (b"1e308", "1e+308"), (b"-1e308", "-1e+308"), (b"5e-324", "5e-324"), (b"1e-400", "0"),
+                              (b"1" + b"0" * 300, "1e+300"), (b"0." + b"0" * 300 + b"1", "1e-301"), (b"9" * 400, None),
                               (b"1e309", None), (b"1e99999999999999999999", None), (b"1e-99999999999999999999", "0")):
             with self.subTest(text[:20]):
                 reply = manager.ask(b"set e.x " + text)
@@ -76,7 +76,7 @@ class Lines(Case):
                     self.assertEqual(reply.kind, "range", repr(reply)[:200])
                 else:
                     self.assertTrue(reply.ok, repr(reply)[:200])
-                    self.assertIn(manager.must("get e.x"), (printed, "1e+300" if printed == "1e300" else printed))
+                    self.assertEqual(manager.must("get e.x"), printed)
 
     def test_every_byte_at_the_beginning_in_the_middle_and_at_the_end(self):
         manager = self.world()

@@ -198,10 +198,13 @@ class Manipulators(Walkers):
         self.assertEqual(manager.must("get probe.visible"), "true")
         self.assertIn("owner", "\n".join(manager.events + manager.errors) + manager.must("manipulators") + manager.must("stats"))
 
-    def test_a_person_may_not_write_what_a_program_owns(self):
+    def test_what_a_person_writes_is_told_to_the_program(self):
         manager, _ = self.walk(ticks=2)
-        manager.refused("set w.steps 99", "owner", "walker")
-        self.assertEqual(manager.must("get w.steps"), "2")
+        manager.must("set w.steps 99")
+        manager.must("set w.position 7 8 9")
+        manager.must("step")
+        self.assertEqual(manager.must("get w.steps"), "100")
+        manager.must("expect w.position == 7 8 9 +- 0.1")
 
     def test_a_hundred_megabytes_on_standard_error_do_not_stop_a_run(self):
         expected = self.undisturbed()

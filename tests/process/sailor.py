@@ -23,7 +23,7 @@ BIN = pathlib.Path(os.environ.get("BIN_DIR", SOURCE / "build/release/bin"))
 PROGRAMS = SOURCE / "tests/process/programs"
 SANITIZED = os.environ.get("SANITIZED", "") == "ON"
 # seconds until a missing answer is a failure: only failing tests wait for it
-PATIENCE = 60 if SANITIZED else 20
+PATIENCE = 40 if SANITIZED else 10
 
 KINDS = "syntax unknown exists type unit range owner busy timeout gone limit io".split()
 
@@ -105,7 +105,8 @@ class Manager:
             if line.startswith("  "):
                 body.append(line[2:])
             else:
-                assert line.startswith("event "), f"neither body nor event nor @{tag}: {line!r}"
+                # an untagged line that was refused is told as an error without tag
+                assert line.startswith(("event ", "error ")), f"neither body nor event nor @{tag}: {line!r}"
                 assert not body, f"an event inside a reply: {line!r}"
                 self.events.append(line)
 

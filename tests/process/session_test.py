@@ -3,6 +3,7 @@
 import os
 import re
 import signal
+import subprocess
 import time
 
 import sailor
@@ -28,7 +29,7 @@ class Session(Case):
         manager.must("type thing extends node")
         manager.must("field thing.x real m = 1")
         for line in ("type thing", "type thing extends sphere", "field thing.x int", "field thing.x real m = 2", "field thing.x real s",
-                     "type node", "field thing.position real"):
+                     "type node extends sphere", "field thing.position real"):
             with self.subTest(line):
                 self.assertFalse(manager.ask(line).ok)
                 self.assert_recovered(manager, before)
@@ -39,7 +40,7 @@ class Session(Case):
         before = manager.hash()
         for line in ("delete probe", "delete probe/inner", "delete probe/**", "delete pro*"):
             with self.subTest(line):
-                manager.refused(line, "owner", "follower")
+                manager.refused(line, "busy", "follower")
                 self.assert_recovered(manager, before)
         # all of them together may go
         manager.must("delete **")
@@ -153,7 +154,12 @@ class Session(Case):
             manager.refused(f"save {path}", "io")
             self.assert_recovered(manager, before)
         self.file("old.dlg", "create node precious\n")
-        self.assertFalse(manager.ask("save /dev/full").ok, "a full device was not noticed")
+        # what is no file is written to, not replaced
+        os.mkfifo(self.folder / "pipe")
+        reader = subprocess.Popen(["cat", "pipe"], cwd=self.folder, stdout=subprocess.PIPE)
+        manager.must("save pipe")
+        self.assertTrue((self.folder / "pipe").is_fifo(), "the FIFO was replaced by a file")
+        self.assertIn(b"ball", reader.communicate(timeout=sailor.PATIENCE)[0])
         manager.must("save old.dlg")
         self.assertIn("ball", (self.folder / "old.dlg").read_text())
 

@@ -58,6 +58,8 @@ struct Geometry {
   std::size_t triangle_count(std::size_t level = 0) const;
 };
 
+using GeometryPointer = std::shared_ptr<const Geometry>;
+
 /// How a surface answers light.
 enum class Finish {
   plain,  ///< diffuse with a highlight

@@ -8,8 +8,6 @@
 /// Bodies made by formula. All closed surfaces wind counter-clockwise seen from outside. Metres.
 namespace render {
 
-using GeometryPointer = std::shared_ptr<const Geometry>;
-
 /// A sphere of radius 1 about the origin, poles on Z (so that an iris on +Z is evenly meshed); four levels of detail.
 GeometryPointer unit_sphere();
 /// A cube of side 1 about the origin.

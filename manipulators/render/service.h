@@ -1,0 +1,42 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+
+#include "manipulators/kit/manipulator.h"
+#include "manipulators/render/movie.h"
+#include "manipulators/render/studio.h"
+
+namespace render {
+
+/// The renderer as the dialog manager knows it: answers the verbs, films the ticks, keeps view.* and mesh.* told.
+class Service {
+ public:
+  explicit Service(kit::Manipulator& me);
+  int run();
+
+ private:
+  using Reply = objdb::Result<std::string>;
+
+  void tick(const kit::Tick& tick);
+  Reply snapshot(objdb::Words words);
+  Reply sheet(objdb::Words words);
+  Reply movie(objdb::Words words);
+
+  Outcome take(const Request& request, double time, Picture& picture);
+  void tell(const Request& request, const Outcome& outcome);
+  std::uint64_t stamp();
+
+  kit::Manipulator& me_;
+  Studio studio_;
+  std::unique_ptr<Movie> movie_;
+  // the film's request, with its objects by path because they may be deleted while it runs
+  Request film_;
+  std::string film_camera_, film_view_;
+  double now_ = 0;
+  objdb::Database::FeedId feed_;
+  std::uint64_t stamp_ = 1;
+};
+
+}  // namespace render

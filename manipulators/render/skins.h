@@ -1,0 +1,70 @@
+#pragma once
+
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "manipulators/mesh/skin.h"
+#include "manipulators/render/scene.h"
+#include "objdb/database.h"
+
+namespace render {
+
+/// What became of a mesh or skin: a word of mesh.status and a sentence.
+struct Report {
+  objdb::ObjectId object = 0;
+  std::string status = "ok";
+  std::string reason;
+  bool operator==(const Report&) const = default;
+};
+
+/// Surfaces read from files and skins bound to bones, kept between pictures and made anew only when what they are
+/// made of changes.
+class Skins {
+ public:
+  /// The geometry of a `mesh` object, shared by all that name the same file; null with a report when it cannot be had.
+  /// `parts` receives the names of its materials.
+  std::shared_ptr<const Geometry> mesh(const objdb::Object& object, Report& report, std::vector<std::string>& parts);
+
+  /// The geometry of a `skin` object in the pose its bones have now, in world coordinates; null with a report when
+  /// there is nothing to bind. `materials` receives one material a part.
+  std::shared_ptr<const Geometry> skin(const objdb::Database& world, const objdb::Object& object, Report& report,
+                                       std::vector<Material>& materials);
+
+  /// The bound skin of that object, null before its first picture; for exporting.
+  const mesh::Skin* bound(objdb::ObjectId skin) const;
+  /// The bones of that skin in the order of mesh::Skin::bones.
+  const std::vector<objdb::ObjectId>& bones(objdb::ObjectId skin) const;
+
+ private:
+  struct File {
+    std::shared_ptr<Geometry> geometry;
+    std::vector<std::string> parts;
+    Report report;
+  };
+  struct Body {
+    std::uint64_t made_of = 0;  // latest change of anything it was made of, and how much there was
+    std::string file;
+    mesh::Skin skin;
+    std::vector<objdb::ObjectId> bones;
+    std::vector<Eigen::Isometry3d> pose;
+    mesh::Blend blend = mesh::Blend::dual_quaternion;
+    std::shared_ptr<Geometry> geometry;
+    Report report;
+  };
+
+  void bind(const objdb::Database& world, const objdb::Object& object, Body& body);
+
+  std::map<std::string, File> files_;
+  std::map<objdb::ObjectId, Body> bodies_;
+};
+
+/// The surface as a geometry of one span a part, with levels of detail. Empty parts have empty spans.
+std::shared_ptr<Geometry> geometry_of(const mesh::Surface& surface);
+
+/// The look of a part that no material or garment describes, by its name: eyes, lips, hair, teeth ... ; otherwise
+/// `otherwise`.
+Material usual_look(const std::string& part, const Material& otherwise);
+
+}  // namespace render

@@ -372,8 +372,8 @@ struct SegmentMaker {
   void add(const std::string& name, const std::string& parent, const Vector3d& from, const Vector3d& to, double radius,
            const std::string& twist_from = "", double twist = 1) {
     const Isometry3d& bind = X.at(parent);
-    skeleton.segments.push_back({"bone_" + name, parent, bind.inverse() * from, bind.inverse() * to, radius,
-                                 twist_from.empty() ? "" : "bone_" + twist_from, twist, bind});
+    skeleton.segments.push_back(
+        {name, parent, bind.inverse() * from, bind.inverse() * to, radius, twist_from, twist, bind});
   }
 };
 
@@ -452,6 +452,7 @@ void stand_on_ground(Skeleton& skeleton, const Landmarks& marks) {
       // half as wide as in the file: spreading angles shrink, the bend of the knee stays
       const bool spread = p.name.find("abduction") != std::string::npos || p.name.find("subtalar") != std::string::npos;
       p.stand = p.bind * (spread ? 0.45 : 1);
+      p.rest = p.stand;
     }
   }
   const auto X = frames(skeleton, [](const Part& p) { return p.stand; });

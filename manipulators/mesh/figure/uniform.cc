@@ -17,13 +17,13 @@ using Bones = std::vector<std::string>;
 /// The dress is cut for a body of this stature; all its lengths go with the stature.
 constexpr double cut_for = 1.66;
 
-const Vector3d white(0.93, 0.93, 0.90);
-const Vector3d navy(0.045, 0.06, 0.13);
-const Vector3d blue(0.07, 0.16, 0.42);
-const Vector3d black(0.025, 0.025, 0.03);
-const Vector3d leather(0.02, 0.018, 0.018);
-const Vector3d hair(0.09, 0.055, 0.035);
-const Vector3d lip(0.60, 0.30, 0.27);
+const Vector3d white(0.96, 0.96, 0.94);
+const Vector3d navy(0.16, 0.19, 0.30);
+const Vector3d blue(0.20, 0.32, 0.60);
+const Vector3d black(0.11, 0.11, 0.12);
+const Vector3d leather(0.10, 0.095, 0.095);
+const Vector3d hair(0.24, 0.18, 0.14);
+const Vector3d lip(0.72, 0.44, 0.41);
 
 /// Draws up garments in metres of a body as tall as `cut_for`, then scales them.
 class Tailor {
@@ -36,9 +36,7 @@ class Tailor {
     piece.name = name;
     piece.layer = layer;
     piece.color = color;
-    for (const std::string& bone : bones) {
-      piece.bones.push_back("bone_" + bone);
-    }
+    piece.bones = bones;
     return piece;
   }
 
@@ -163,7 +161,8 @@ void trousers(Tailor& tailor) {
   Clothing& piece = tailor.add(
       "trousers", 3, navy,
       joined({"pelvis", "lumbar_lower", "lumbar_upper"}, both_sides({"thigh_1", "thigh_2", "shin", "foot", "heel"})));
-  below(piece, 1.01);
+  // up to the hem of the blouse
+  below(piece, 0.925);
   above(piece, 0.080);
   piece.thickness = 0.013;
   // bell-bottoms: wider from the knee down

@@ -20,7 +20,7 @@ struct Clothing {
   Eigen::Vector4d flare = Eigen::Vector4d::Zero();
   int smoothing = 0;
   int layer = 0;
-  Eigen::Vector3d color = Eigen::Vector3d::Zero();  ///< red green blue, 0 to 1
+  Eigen::Vector3d color = Eigen::Vector3d::Zero();  ///< red green blue, sRGB, 0 to 1
   double gloss = 0.1;
 };
 

@@ -65,7 +65,8 @@ void Gaze::advance(const Stimulus& s) {
       const auto seed = static_cast<uint64_t>(p_.seed), count = 2 * static_cast<uint64_t>(n_);
       noise = p_.slip_noise * Vec2{normal(seed, Stream::noise, count), normal(seed, Stream::noise, count + 1)};
     }
-    moved += pursuit_.advance(memory_, n_, (1 / p_.step) * (s.seen_to - s.seen_from), noise, visible);
+    const Vec2 error = visible ? s.seen_from - memory_[n_ - pursuit_.visual_steps()].position : Vec2{};
+    moved += pursuit_.advance(memory_, n_, (1 / p_.step) * (s.seen_to - s.seen_from), noise, error, visible);
   }
 
   decide(s, visible);

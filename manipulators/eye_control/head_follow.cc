@@ -7,6 +7,12 @@
 
 namespace eye {
 
+namespace {
+
+constexpr double same_place = 0.996;  // cosine of 5 deg
+
+}  // namespace
+
 double head_share(double eccentricity, const Parameters& p) {
   return p.head_share * std::max(0.0, eccentricity - p.head_threshold);
 }
@@ -39,7 +45,12 @@ void FollowingWorld::follow(const Gaze& gaze) {
   const Parameters& p = gaze.parameters();
   const double now = static_cast<double>(gaze.step()) * p.step, ended = 1e9;
   Sight sight;
-  if (!target(now - p.visual_delay, Track::Side::right, head(ended), sight)) return;
+  const HeadPose rest = head(ended);
+  if (!target(now - p.visual_delay, Track::Side::right, rest, sight)) return;
+  // the eyes' corrections on the way are no new gaze shift
+  const Eigen::Vector3d place = rest.orientation * sight.direction;
+  if (place.dot(followed_) > same_place) return;
+  followed_ = place;
   const Vec2 angles = fick_angles(sight.direction);
   const double eccentricity = std::acos(std::clamp(sight.direction.z(), -1.0, 1.0));
   const double share = head_share(eccentricity, p);

@@ -34,6 +34,7 @@ class FollowingWorld : public AngleWorld {
     Vec2 size;
   };
   std::vector<Turn> turns_;
+  Eigen::Vector3d followed_ = Eigen::Vector3d::Zero();  ///< the last target a turn was planned for, world
   int64_t known_onset_ = -1;
 };
 

@@ -49,6 +49,7 @@ constexpr auto table = std::to_array<Parameter>({
     {"predictor_period", "s", &Parameters::predictor_period, 0.01, 0.2, "box over which seen velocity is averaged",
      ours},
     {"predictor_memory", "", &Parameters::predictor_memory, 0.5, 1, "forgetting factor a box", ours},
+    {"position_rate", "1/s", &Parameters::position_rate, 0, 5, "position error closed by predictive pursuit", ours},
     {"saccade_latency", "s", &Parameters::saccade_latency, 0.05, 2, "target step to voluntary saccade",
      "the paper: about 200 ms"},
     {"catch_up_latency", "s", &Parameters::catch_up_latency, 0.02, 2, "decision to catch-up saccade",

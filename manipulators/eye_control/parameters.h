@@ -58,6 +58,7 @@ struct Parameters {
   double predictor = 1;
   double predictor_period = 0.080;
   double predictor_memory = 0.99;
+  double position_rate = 2;
 
   // saccades
   double saccade_latency = 0.200;
@@ -68,11 +69,11 @@ struct Parameters {
   double smooth_from = 0.040;
   double smooth_to = 0.180;
   double dead_time = 0.080;
-  double burst_speed = 508 * deg;
-  double burst_angle = 6.9 * deg;
-  double burst_rise = 0.0038;
-  double burst_lag = 0.0039;
-  double burst_stop = 1.45 * deg;
+  double burst_speed = 518 * deg;
+  double burst_angle = 6.95 * deg;
+  double burst_rise = 0.0045;
+  double burst_lag = 0.0027;
+  double burst_stop = 1.3 * deg;
 
   // final common path
   double long_plant_time = 0.224;

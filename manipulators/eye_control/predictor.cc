@@ -10,9 +10,12 @@ namespace {
 constexpr double constant = 3 * deg;    // regressor of the constant term: the size of ordinary velocities, rad/s
 constexpr double first_variance = 1e4;  // of the parameters before anything was seen
 constexpr double quiet = 0.5 * deg;     // speeds below this teach nothing, rad/s
-constexpr double floor = 0.3 * deg;     // errors below this are not worth predicting, rad/s
+constexpr double floor = 0.1 * deg;     // errors below this are not worth predicting, rad/s
 constexpr double judgement = 0.35;      // weight of the newest box in the running errors
-constexpr double fading = 0.9;          // of trust, each box not seen
+constexpr double change = 0.3 * deg;    // between boxes that counts as evidence, rad/s
+constexpr double least_evidence = 5, most_evidence = 8;
+constexpr double forgetting = 0.98;  // of the largest speed seen, each box
+constexpr double fading = 0.9;       // of trust, each box not seen
 
 }  // namespace
 
@@ -51,14 +54,18 @@ void Predictor::judge() {
   error_model_ += judgement * (model * model - error_model_);
   error_hold_ += judgement * (hold * hold - error_hold_);
   const double skill = 1 - (error_model_ + floor * floor) / (error_hold_ + floor * floor);
-  // a model of three parameters is no model before it has seen more than three boxes
-  trust_ = boxes_ < 5 ? 0 : std::clamp((skill - 0.5) / 0.4, 0.0, 1.0);
+  // a model of three parameters fits any three boxes: it counts once it has met more change than that. A ramp is no
+  // evidence, and neither is a single stop or start
+  evidence_ = std::clamp(evidence_ + (std::abs(box_[0] - box_[1]) > change ? 1 : -0.5), 0.0, most_evidence);
+  trust_ = evidence_ < least_evidence ? 0 : std::clamp((skill - 0.5) / 0.4, 0.0, 1.0);
 }
 
 void Predictor::learn() {
   const std::array<double, 3> phi{box_[1], box_[2], constant};
-  if (std::abs(box_[0]) < quiet && std::abs(box_[1]) < quiet && std::abs(box_[2]) < quiet) return;
-  boxes_ += 1;
+  const bool rest = std::abs(box_[0]) < quiet && std::abs(box_[1]) < quiet && std::abs(box_[2]) < quiet;
+  moving_ = rest ? 0 : moving_ + 1;
+  // a start from rest obeys no model of the motion: learn from boxes that lie within the motion only
+  if (moving_ < 4) return;
 
   std::array<double, 3> gain{};
   double denominator = memory_;
@@ -77,10 +84,10 @@ void Predictor::learn() {
 }
 
 void Predictor::look_ahead() {
-  // boxes -2 ... 6 around the last complete one; a model that runs away is stopped at twice the largest seen speed
+  // boxes -2 ... around the last complete one; a model that runs away is stopped at twice the largest recent speed
   std::array<double, future_size + 2> x{box_[2], box_[1], box_[0]};
-  double bound = 0;
-  for (double b : box_) bound = std::max(bound, 2 * std::abs(b));
+  largest_ = std::max(std::abs(box_[0]), forgetting * largest_);
+  const double bound = 2 * largest_;
   for (size_t k = 3; k < x.size(); ++k) {
     x[k] = std::clamp(theta_[0] * x[k - 1] + theta_[1] * x[k - 2] + theta_[2] * constant, -bound, bound);
   }

@@ -36,7 +36,8 @@ class Predictor {
 
   template <class Visit>
   void each(Visit&& visit) {
-    visit(sum_), visit(count_), visit(seen_), visit(boxes_), visit(trust_), visit(error_model_), visit(error_hold_);
+    visit(sum_), visit(count_), visit(seen_), visit(evidence_), visit(moving_), visit(largest_), visit(trust_),
+        visit(error_model_), visit(error_hold_);
     for (double& x : box_) visit(x);
     for (double& x : theta_) visit(x);
     for (double& x : P_) visit(x);
@@ -45,7 +46,7 @@ class Predictor {
   }
 
  private:
-  static constexpr int skill_boxes = 2;   ///< horizon on which the forecast is judged, boxes
+  static constexpr int skill_boxes = 1;   ///< horizon on which the forecast is judged, boxes
   static constexpr int future_size = 13;  ///< boxes -1 ... 11 relative to the last complete one
 
   void close_box();
@@ -55,7 +56,7 @@ class Predictor {
 
   int steps_;
   double step_, period_, memory_;
-  double sum_ = 0, count_ = 0, seen_ = 0, boxes_ = 0;
+  double sum_ = 0, count_ = 0, seen_ = 0, evidence_ = 0, moving_ = 0, largest_ = 0;
   double trust_ = 0, error_model_ = 0, error_hold_ = 0;
   std::array<double, 4> box_{};                     ///< last boxes, newest first
   std::array<double, 3> theta_{};                   ///< x_k = theta . (x_{k-1}, x_{k-2}, scale)

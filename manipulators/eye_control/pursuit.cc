@@ -39,7 +39,7 @@ Vec2 Pursuit::saturated(Vec2 error) const {
 }
 
 // the premotor input `ahead` of the last seen step: what is seen, as far as the forecast is not trusted
-Vec2 Pursuit::drive(Vec2 seen, double ahead) const {
+Vec2 Pursuit::drive(Vec2 seen, Vec2 error, double ahead) const {
   if (linear_) return p_->pursuit_gain * seen;
   const double speed = norm(seen);
   const double share = speed > p_->velocity_limit ? p_->velocity_limit / speed : 1;
@@ -58,7 +58,7 @@ Vec2 Pursuit::drive(Vec2 seen, double ahead) const {
   const double most = inversion_limit * p_->acceleration_limit, size = norm(rate);
   if (size > most) rate = (most / size) * rate;
   const double gain = p_->local_gain * (1 - norm(rate) / p_->acceleration_limit);
-  const Vec2 forecast = before + (1 / gain) * rate;
+  const Vec2 forecast = before + (1 / gain) * rate + p_->position_rate * error;
   return {reactive.x + tx * (forecast.x - reactive.x), reactive.y + ty * (forecast.y - reactive.y)};
 }
 
@@ -72,7 +72,7 @@ void Pursuit::switch_over() {
   if (still_ > hold_ && !expected) active_ = false;
 }
 
-Vec2 Pursuit::advance(Memory& memory, int64_t n, Vec2 target, Vec2 noise, bool visible) {
+Vec2 Pursuit::advance(Memory& memory, int64_t n, Vec2 target, Vec2 noise, Vec2 error, bool visible) {
   const Moment& now = memory[n];
   Moment& next = memory[n + 1];
 
@@ -106,8 +106,8 @@ Vec2 Pursuit::advance(Memory& memory, int64_t n, Vec2 target, Vec2 noise, bool v
   }
 
   if (active_) {
-    const Vec2 begin = saturated(drive(seen0, -h_) - memory[n - local_].command);
-    const Vec2 end = saturated(drive(seen1, 0) - memory[n + 1 - local_].command);
+    const Vec2 begin = saturated(drive(seen0, error, -h_) - memory[n - local_].command);
+    const Vec2 end = saturated(drive(seen1, error, 0) - memory[n + 1 - local_].command);
     next.command = now.command + (0.5 * h_) * (begin + end);
   } else {
     next.command = fade_ * now.command;

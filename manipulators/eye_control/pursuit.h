@@ -32,9 +32,10 @@ class Pursuit {
   int visual_steps() const { return visual_; }
 
   /// One step from n to n + 1. `target` is the mean target velocity over the step as it was visual_steps ago (head
-  /// frame, rad/s), `noise` is added to what is seen. Writes command, velocity and copy of moment n + 1; returns the
-  /// displacement of the eye, rad.
-  Vec2 advance(Memory& memory, int64_t n, Vec2 target, Vec2 noise, bool visible);
+  /// frame, rad/s), `noise` is added to what is seen, `error` is the position error seen (rad): as far as the forecast
+  /// is trusted, it is closed at `position_rate`, since an eye that keeps up would else keep its distance too. Writes
+  /// command, velocity and copy of moment n + 1; returns the displacement of the eye, rad.
+  Vec2 advance(Memory& memory, int64_t n, Vec2 target, Vec2 noise, Vec2 error, bool visible);
 
   /// Reconstructed target velocity at the end of the last step, rad/s.
   Vec2 target_velocity() const { return seen_; }
@@ -55,7 +56,7 @@ class Pursuit {
  private:
   void switch_over();
   Vec2 saturated(Vec2 error) const;
-  Vec2 drive(Vec2 seen, double ahead) const;
+  Vec2 drive(Vec2 seen, Vec2 error, double ahead) const;
 
   const Parameters* p_;
   double h_;

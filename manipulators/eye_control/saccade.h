@@ -55,7 +55,7 @@ class Saccade {
   }
 
  private:
-  static constexpr double landed = 20 * deg;  ///< speed at which a saccade counts as over, rad/s
+  static constexpr double landed = 12 * deg;  ///< speed at which a saccade counts as over, rad/s
 
   // mean burst over the step; the last step gives exactly what is missing
   double drive(const Parameters& p, double h) {

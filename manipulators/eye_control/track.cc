@@ -58,7 +58,8 @@ void Track::judge(size_t segment) {
   const Vector3d motion = length * median(velocity(segment - 1), here, followed ? velocity(segment + 1) : here);
   const Vector3d rest = change - motion;
   const double size = rest.cwiseProduct(weight_).cwiseAbs().sum();
-  if (size < visible || size < 0.5 * change.cwiseProduct(weight_).cwiseAbs().sum()) return;
+  const double all = change.cwiseProduct(weight_).cwiseAbs().sum();
+  if (size < visible || size < 0.5 * all || size > 2 * all) return;
   if (length > brief && size < fast * length) return;
 
   // events are snapped to the grid of the fixed step, so that no step sees half a jump

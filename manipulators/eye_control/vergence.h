@@ -10,9 +10,10 @@
 namespace eye {
 
 /// Vergence: after its own latency the disparity is closed by a slow component (speed proportional to disparity,
-/// limited), by a fast component when the disparity is large (a burst that ends when a tenth is left), and faster still
-/// while a saccade is in flight. The reference is reconstructed with an efference copy, as in pursuit: with copy gain 1
-/// no delay is left in the loop, with 0 it is the plain delayed feedback that rings above gain pi / (2 latency).
+/// limited), by a fast component when the disparity is large (a planned burst that ends when a tenth of the plan is
+/// left), and faster still while a saccade is in flight. The reference is reconstructed with an efference copy, as in
+/// pursuit: with copy gain 1 no delay is left in the loop, with 0 it is the plain delayed feedback that rings above
+/// gain pi / (2 latency).
 class Vergence {
  public:
   explicit Vergence(const Parameters& p)
@@ -37,7 +38,7 @@ class Vergence {
 
   void rest(double vergence) {
     command_ = vergence;
-    rate_ = fast_until_ = 0;
+    rate_ = burst_ = planned_ = 0;
   }
 
   /// rad/s
@@ -45,19 +46,23 @@ class Vergence {
 
   template <class Visit>
   void each(Visit&& visit) {
-    visit(command_), visit(rate_), visit(fast_until_);
+    visit(command_), visit(rate_), visit(burst_), visit(planned_);
   }
 
  private:
   // change of the command over one step
   double change(double error, bool in_saccade) {
     const double size = std::abs(error);
-    if (fast_until_ == 0 && size > p_->vergence_step) fast_until_ = 0.1 * size;
-    if (size <= fast_until_) fast_until_ = 0;
-
     double speed = std::min(p_->vergence_rate * size, p_->vergence_limit);
-    if (fast_until_ > 0) {
-      speed = std::max(speed, p_->vergence_burst_speed * -std::expm1(-size / p_->vergence_burst_angle));
+
+    // the fast component is planned when it starts and runs down by itself, whatever is seen meanwhile
+    if (burst_ * error <= 0) burst_ = 0;
+    if (burst_ == 0 && size > p_->vergence_step) burst_ = planned_ = error;
+    if (burst_ != 0) {
+      const double burst_speed = p_->vergence_burst_speed * -std::expm1(-std::abs(burst_) / p_->vergence_burst_angle);
+      speed += burst_speed;
+      burst_ -= std::copysign(burst_speed * h_, burst_);
+      if (burst_ * planned_ < 0.1 * planned_ * planned_) burst_ = 0;
     }
     if (in_saccade) {
       speed = std::max(speed, size * (error > 0 ? p_->convergence_saccade_rate : p_->divergence_saccade_rate));
@@ -69,7 +74,7 @@ class Vergence {
   double h_;
   int latency_;
   Lag muscle_;
-  double command_ = 0, rate_ = 0, fast_until_ = 0;
+  double command_ = 0, rate_ = 0, burst_ = 0, planned_ = 0;
 };
 
 }  // namespace eye

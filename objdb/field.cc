@@ -265,14 +265,14 @@ std::string Field::declaration() const {
   };
   std::string out = "field " + owner->name() + "." + name + " " + kind_text();
   if (const std::string text = unit(); !text.empty()) out += " " + text;
-  if (kind == Kind::word) {
-    out += " of";
-    for (const std::string& word : words) out += " " + word;
-  }
-  if (ranged) out += " in " + number(low) + " " + number(high);
   if (!same_bits(standard, zero_value(*this))) {
     out += " = ";
     append_value(out, *this, standard, NoNames());
+  }
+  if (ranged) out += " in " + number(low) + " " + number(high);
+  if (kind == Kind::word) {
+    out += " of";
+    for (const std::string& word : words) out += " " + word;
   }
   if (is_private) out += " private";
   if (measured) out += " measured";

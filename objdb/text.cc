@@ -117,7 +117,12 @@ Status LineWords::quoted_word(std::string_view line, std::size_t& at) {
         case '"':
         case '\\': unescaped_ += escape; break;
         case '\0': return syntax_error("a quote is not closed", open);
-        default: return syntax_error(std::string("unknown escape \\") + escape + R"(, expected \" \\ \n or \t)", at);
+        default: {
+          // the whole character, which may have several bytes
+          const std::size_t length = std::max<std::size_t>(utf8_length(line, at + 1), 1);
+          return syntax_error(
+              "unknown escape " + std::string(line.substr(at, 1 + length)) + R"(, expected \" \\ \n or \t)", at);
+        }
       }
       at += 2;
     }

@@ -84,7 +84,7 @@ TEST(Line, IsRefusedAtTheByteAtFault) {
                               {"set \"a\\\"", 5},
                               {"set \"a\"b", 8},
                               {"set a\"b\"", 6},
-                              {"set \"a\\qb\"", 7},
+                              {"set \"a\\qb\"", 7}, {"set \"a\\é\"", 7},
                               {"@ set", 1},
                               {"@1", 1},
                               {"set \x01", 5},

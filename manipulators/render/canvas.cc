@@ -411,6 +411,7 @@ Canvas::State::Items Canvas::State::sorted_items(const Scene& scene, const std::
       if (span.count == 0) continue;
       const auto wanted = static_cast<std::size_t>(std::max(span.material, 0));
       const Material& material = drawable.materials[std::min(wanted, drawable.materials.size() - 1)];
+      if (material.opacity <= 0) continue;
       // what takes no light, or lets some through, is laid on after the light
       const bool late = material.opacity < 0.995f || material.finish == Finish::unlit ||
                         drawable.geometry->primitive == Primitive::lines;

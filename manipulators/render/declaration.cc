@@ -32,6 +32,8 @@ field garment.bones ref:bone[] "where these hold at least half of the weight; no
 field garment.planes real[] "nx ny nz d of each plane; inside is n.p + d >= 0, in the skin's frame at bind time"
 field garment.lines real[] "x y z r of balls along a line; radius 0 ends a line; inside is near the line"
 field garment.thickness real m = 0 in 0 0.1 "of the cloth"
+field garment.flare real[4] = 0 0 0 0 "cloth that hangs wide: thicker by max(0, n.p + d)"
+field garment.smoothing int = 0 in 0 200 "passes that even out what is under the cloth"
 field garment.layer int = 0 "higher layers cover lower ones; equal layers in order of path"
 field garment.color vec3 = 0.8 0.8 0.8 in 0 1 "red green blue, sRGB"
 field garment.gloss real = 0.1 in 0 1 "0 is wool, 1 is patent leather"

@@ -36,9 +36,9 @@ std::vector<Light> three_point_lights() {
     return Light{toward.normalized(), true, linear_of(color) * intensity};
   };
   return {
-      light({0.55f, 0.95f, 0.85f}, {1.0f, 0.96f, 0.88f}, 2.3f),
-      light({-0.9f, 0.35f, 0.7f}, {0.80f, 0.88f, 1.0f}, 0.45f),
-      light({-0.35f, 0.75f, -0.9f}, {1.0f, 0.97f, 0.94f}, 1.1f),
+      light({0.55f, 0.95f, 0.85f}, {1.0f, 0.96f, 0.89f}, 1.9f),
+      light({-0.9f, 0.35f, 0.7f}, {0.80f, 0.88f, 1.0f}, 0.32f),
+      light({-0.35f, 0.75f, -0.9f}, {1.0f, 0.97f, 0.94f}, 0.8f),
   };
 }
 

@@ -118,7 +118,7 @@ struct Surroundings {
   Eigen::Vector3f zenith = {0.36f, 0.55f, 0.78f};   ///< sky colour overhead
   Eigen::Vector3f horizon = {0.80f, 0.86f, 0.90f};  ///< sky colour at the horizon
   Eigen::Vector3f earth = {0.62f, 0.60f, 0.57f};    ///< colour of the ground and of the light it returns
-  float ambient = 0.75f;                            ///< strength of sky and ground light
+  float ambient = 0.62f;                            ///< strength of sky and ground light
   float time = 0;                                   ///< simulated time [s], moves the sea
 };
 

@@ -128,7 +128,7 @@ Material usual_look(const std::string& part, const Material& otherwise) {
       {"lips", {0.70f, 0.38f, 0.36f}, 0.45f, Finish::skin},  {"lashes", {0.10f, 0.07f, 0.05f}, 0.8f, Finish::plain},
       {"brow", {0.24f, 0.16f, 0.10f}, 0.9f, Finish::plain},  {"hair", {0.24f, 0.16f, 0.10f}, 0.7f, Finish::plain},
       {"teeth", {0.92f, 0.90f, 0.84f}, 0.3f, Finish::plain}, {"tongue", {0.68f, 0.34f, 0.34f}, 0.5f, Finish::skin},
-      {"nail", {0.86f, 0.66f, 0.60f}, 0.35f, Finish::skin},
+      {"eyes", {0.90f, 0.88f, 0.86f}, 0.25f, Finish::plain}, {"nail", {0.86f, 0.66f, 0.60f}, 0.35f, Finish::skin},
   };
   for (const Usual& usual : table) {
     if (part.find(usual.word) == std::string::npos) continue;
@@ -215,6 +215,9 @@ void Skins::bind(const objdb::Database& world, const Object& object, Body& body)
     garment.planes = rows_of_four(*object_of_garment, "planes");
     garment.lines = rows_of_four(*object_of_garment, "lines");
     garment.thickness = real_of(*object_of_garment, "thickness");
+    garment.smoothing = static_cast<int>(integer_of(*object_of_garment, "smoothing"));
+    const std::vector<double>* flare = numbers_of(*object_of_garment, "flare");
+    if (flare && flare->size() == 4) garment.flare = Eigen::Map<const Eigen::Vector4d>(flare->data());
     garments.push_back(std::move(garment));
   }
   if (auto dressed = mesh::dress(skin, garments)) {
@@ -222,21 +225,6 @@ void Skins::bind(const objdb::Database& world, const Object& object, Body& body)
   } else {
     body.skin = std::move(skin);
     body.report.reason = dressed.error().sentence;
-  }
-  // the file's own eyeballs give way to ours
-  for (std::size_t part = 0; part < body.skin.surface.part_names.size(); ++part) {
-    if (body.skin.surface.part_names[part] != "eyes") continue;
-    std::vector<bool> keep(body.skin.surface.part.size());
-    for (std::size_t f = 0; f < keep.size(); ++f) keep[f] = body.skin.surface.part[f] != static_cast<int>(part);
-    Eigen::MatrixX3i kept(std::count(keep.begin(), keep.end(), true), 3);
-    std::vector<int> parts;
-    for (std::size_t f = 0; f < keep.size(); ++f) {
-      if (!keep[f]) continue;
-      kept.row(static_cast<Eigen::Index>(parts.size())) = body.skin.surface.F.row(static_cast<Eigen::Index>(f));
-      parts.push_back(body.skin.surface.part[f]);
-    }
-    body.skin.surface.F = kept;
-    body.skin.surface.part = parts;
   }
   body.geometry = geometry_of(body.skin.surface);
 }
@@ -251,7 +239,7 @@ std::shared_ptr<const Geometry> Skins::skin(const objdb::Database& world, const 
         1 + last_change(*bone, {"from", "to", "radius", "bind_position", "bind_orientation", "twist_from", "twist"});
   }
   for (const Object* garment : garments) {
-    made_of += last_change(*garment, {"skin", "bones", "planes", "lines", "thickness", "layer"});
+    made_of += last_change(*garment, {"skin", "bones", "planes", "lines", "thickness", "flare", "smoothing", "layer"});
   }
   if (made_of != body.made_of) {
     body.made_of = made_of;
@@ -268,11 +256,13 @@ std::shared_ptr<const Geometry> Skins::skin(const objdb::Database& world, const 
   bare.opacity = static_cast<float>(real_of(object, "opacity", 1));
   bare.finish = Finish::skin;
   materials.clear();
+  const bool has_eyes = !all_of(world, "eye").empty() || !all_of(world, "eyeball").empty();
   for (const std::string& part : body.skin.surface.part_names) {
     const auto garment =
         std::find_if(garments.begin(), garments.end(), [&](const Object* g) { return g->name() == part; });
     materials.push_back(garment == garments.end() ? usual_look(part, bare) : look_of_garment(**garment));
-    materials.back().opacity = bare.opacity;
+    // the file's own eyeballs give way to ours
+    materials.back().opacity = has_eyes && part.find("eyes") != std::string::npos ? 0 : bare.opacity;
   }
 
   std::vector<Eigen::Isometry3d> pose;

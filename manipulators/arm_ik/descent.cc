@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "manipulators/arm_ik/kernel.h"
+#include "manipulators/arm_ik/bounded_step.h"
 #include "manipulators/arm_ik/tool_pose.h"
 
 namespace arm_ik {
@@ -17,6 +17,8 @@ Goal::Goal(const kinematics::Pose& X, bool with_orientation) : pose(with_orienta
   frame[15] = 0;
 }
 
+double angle_of_chord(double chord) { return chord < 2e-4 ? chord : 2 * std::asin(std::min(1.0, 0.5 * chord)); }
+
 kinematics::Pose Goal::target() const {
   kinematics::Pose X;
   for (int row = 0; row < 3; ++row) {
@@ -29,118 +31,11 @@ kinematics::Pose Goal::target() const {
 namespace {
 
 using kernel::Frame;
+using kernel::Held;
+using kernel::Residual;
 using kernel::State;
+using kernel::StepBox;
 using kernel::System;
-
-struct Residual {
-  Real4 v, w;  // linear, angular times length
-  double position2 = 0, rotation2 = 0;
-};
-
-template <bool pose>
-ARM_IK_INLINE Residual residual(const Frame& at, const Frame& goal, double length) {
-  Residual out;
-  out.v = goal.p - at.p;
-  out.position2 = kernel::sum3(out.v * out.v);
-  if constexpr (pose) {
-    const Real4 turn = kernel::turn_error(at, goal);
-    out.rotation2 = kernel::sum3(turn * turn);
-    out.w = turn * length;
-  }
-  return out;
-}
-
-/// J^T y for all joints.
-template <bool pose>
-ARM_IK_INLINE void pull_back(const Packed& chain, const System& system, Real4 yv, Real4 yw, double* out) {
-  for (int block = 0; block < chain.blocks; ++block) {
-    const int i = 4 * block;
-    Real4 part[4];
-    for (int k = 0; k < 4; ++k) {
-      part[k] = system.Jv[i + k] * yv;
-      if constexpr (pose) part[k] += system.Jw[i + k] * yw;
-    }
-    // four horizontal sums by transposition
-    const Real4 ab_low = __builtin_shuffle(part[0], part[1], Mask4{0, 4, 1, 5});
-    const Real4 cd_low = __builtin_shuffle(part[2], part[3], Mask4{0, 4, 1, 5});
-    const Real4 ab_high = __builtin_shuffle(part[0], part[1], Mask4{2, 6, 2, 6});
-    const Real4 cd_high = __builtin_shuffle(part[2], part[3], Mask4{2, 6, 2, 6});
-    const Real4 first = __builtin_shuffle(ab_low, cd_low, Mask4{0, 1, 4, 5});
-    const Real4 second = __builtin_shuffle(ab_low, cd_low, Mask4{2, 3, 6, 7});
-    const Real4 third = __builtin_shuffle(ab_high, cd_high, Mask4{0, 1, 4, 5});
-    store<4>(out + i, (first + second) + third);
-  }
-}
-
-/// Joints that a step holds at a limit: +1 upper, -1 lower, 0 free.
-struct Held {
-  alignas(64) double side[Packed::capacity] = {};
-  int count = 0;
-};
-
-/// The step of one iteration, min |J dq - e|^2 + damping |dq|^2 within the limits, by an active set that starts from
-/// the one of the step before. `full` has its columns; its blocks are filled here with those of the free joints.
-template <bool pose>
-ARM_IK_INLINE void bounded_step(const Packed& chain, const State& state, System& system, const Residual& e,
-                                double damping, Held& held, double* dq) {
-  alignas(64) double pull[Packed::capacity];
-  Residual rest = e;
-  kernel::clear(system);
-  for (int i = 0; i < chain.n; ++i) {
-    if (held.side[i] == 0) {
-      kernel::add_column<pose>(system, i, 1);
-      continue;
-    }
-    const double gap = (held.side[i] > 0 ? chain.upper[i] : chain.lower[i]) - state.q[i];
-    rest.v -= gap * system.Jv[i];
-    if constexpr (pose) rest.w -= gap * system.Jw[i];
-  }
-  const int rounds = 4 + 2 * chain.n;
-  for (int round = 0; round < rounds; ++round) {
-    Real4 yv, yw{};
-    kernel::solve<pose>(system, damping, rest.v, rest.w, yv, yw);
-    pull_back<pose>(chain, system, yv, yw, pull);
-    Real4 wrong{};
-    for (int block = 0; block < chain.blocks; ++block) {
-      const int i = 4 * block;
-      const Real4 q = load<4>(state.q + i), low = load<4>(chain.lower + i) - q, high = load<4>(chain.upper + i) - q;
-      const Real4 side = load<4>(held.side + i), free_step = load<4>(pull + i);
-      const Real4 step = side == 0 ? free_step : side > 0 ? high : low;
-      store<4>(dq + i, step);
-      // free joints must stay inside, held ones must be pushed against their limit
-      const Mask4 bad = ((side == 0) & ((step > high) | (step < low))) | ((side * (free_step - step)) < -1e-9);
-      wrong += (Real4)(bad & (Mask4)fill<4>(1.0));
-    }
-    if (__builtin_expect((wrong[0] + wrong[1]) + (wrong[2] + wrong[3]) == 0, 1)) return;
-
-    // hold all that leave the box; only when none does, let the one go that pulls inwards most
-    bool added = false;
-    int inward = -1;
-    double most = -1e-9;
-    for (int i = 0; i < chain.n; ++i) {
-      if (held.side[i] == 0) {
-        const double next = state.q[i] + dq[i];
-        if (next <= chain.upper[i] && next >= chain.lower[i]) continue;
-        held.side[i] = next > chain.upper[i] ? 1 : -1;
-        dq[i] = (held.side[i] > 0 ? chain.upper[i] : chain.lower[i]) - state.q[i];
-        kernel::add_column<pose>(system, i, -1);
-        rest.v -= dq[i] * system.Jv[i];
-        if constexpr (pose) rest.w -= dq[i] * system.Jw[i];
-        added = true;
-      } else if (held.side[i] * (pull[i] - dq[i]) < most) {
-        most = held.side[i] * (pull[i] - dq[i]);
-        inward = i;
-      }
-    }
-    if (added) continue;
-    if (inward < 0) return;
-    kernel::add_column<pose>(system, inward, 1);
-    rest.v += dq[inward] * system.Jv[inward];
-    if constexpr (pose) rest.w += dq[inward] * system.Jw[inward];
-    held.side[inward] = 0;
-  }
-  // no end in sight: the last step, cut to the box by the caller, is still tried
-}
 
 template <bool pose, bool slides>
 ARM_IK_INLINE DescentResult descend_body(const Packed& chain, const Goal& goal, const DescentOptions& options,
@@ -150,6 +45,7 @@ ARM_IK_INLINE DescentResult descend_body(const Packed& chain, const Goal& goal, 
   State *state = &states[0], *trial = &states[1];
   System system;
   Held held;
+  StepBox box;
   alignas(64) double dq[Packed::capacity];
   for (int i = 0; i < 4 * chain.blocks; ++i) state->q[i] = i < chain.n ? q[i] : 0;
   for (int i = chain.n; i < 4 * chain.blocks; ++i) system.Jv[i] = system.Jw[i] = Real4{};
@@ -160,8 +56,10 @@ ARM_IK_INLINE DescentResult descend_body(const Packed& chain, const Goal& goal, 
   const double chord = options.rotation_tolerance < 3 ? 2 * std::sin(0.5 * options.rotation_tolerance) : 2;
   const double rotation2 = chord * chord;
 
+  const double* lower = options.lower ? options.lower : chain.lower;
+  const double* upper = options.upper ? options.upper : chain.upper;
   kernel::forward<slides>(chain, *state);
-  Residual e = residual<pose>(state->end, wanted, length);
+  Residual e = kernel::residual<pose>(state->end, wanted, length);
   double cost = e.position2 + length2 * e.rotation2;
   double share = options.damping;
   DescentResult out;
@@ -171,17 +69,22 @@ ARM_IK_INLINE DescentResult descend_body(const Packed& chain, const Goal& goal, 
     if (out.reached || out.stationary || out.iterations >= options.iterations) break;
     ++out.iterations;
     kernel::linearize<slides>(chain, *state, length, system);
+    for (int block = 0; block < chain.blocks; ++block) {
+      const int i = 4 * block;
+      store<4>(box.low + i, load<4>(lower + i) - load<4>(state->q + i));
+      store<4>(box.high + i, load<4>(upper + i) - load<4>(state->q + i));
+    }
     double next_cost = cost;
     for (int attempt = 0; attempt < 6; ++attempt) {
-      bounded_step<pose>(chain, *state, system, e, share * cost + 1e-15 * length2, held, dq);
+      kernel::bounded_step<pose, false>(chain, system, e, box, share * cost + 1e-15 * length2, held, dq);
       for (int block = 0; block < chain.blocks; ++block) {
         const Real4 next = load<4>(state->q + 4 * block) + load<4>(dq + 4 * block);
-        const Real4 low = load<4>(chain.lower + 4 * block), high = load<4>(chain.upper + 4 * block);
+        const Real4 low = load<4>(lower + 4 * block), high = load<4>(upper + 4 * block);
         const Real4 above = next > low ? next : low;
         store<4>(trial->q + 4 * block, above < high ? above : high);
       }
       kernel::forward<slides>(chain, *trial);
-      const Residual next = residual<pose>(trial->end, wanted, length);
+      const Residual next = kernel::residual<pose>(trial->end, wanted, length);
       next_cost = next.position2 + length2 * next.rotation2;
       if (next_cost < cost) {
         e = next;
@@ -203,8 +106,7 @@ ARM_IK_INLINE DescentResult descend_body(const Packed& chain, const Goal& goal, 
   std::copy_n(state->q, chain.n, q);
   out.cost = cost;
   out.position_error = std::sqrt(e.position2);
-  const double half_chord = 0.5 * std::sqrt(e.rotation2);
-  out.rotation_error = half_chord < 1e-4 ? 2 * half_chord : 2 * std::asin(std::min(1.0, half_chord));
+  out.rotation_error = angle_of_chord(std::sqrt(e.rotation2));
   return out;
 }
 

@@ -20,8 +20,11 @@ struct DescentOptions {
   double position_tolerance = 1e-5;  ///< [m]
   double rotation_tolerance = 1e-4;  ///< [rad]
   int iterations = 50;
-  double patience = 1;   ///< gives up when three steps in a row leave more than this share of the squared error
-  double damping = 0.2;  ///< first damping, as a share of the squared error
+  double patience = 1;    ///< gives up when three steps in a row leave more than this share of the squared error
+  double damping = 0.05;  ///< first damping, as a share of the squared error
+  /// Bounds of q (#joints, padded to fours) inside the chain's limits; null: the limits.
+  const double* lower = nullptr;
+  const double* upper = nullptr;
 };
 
 struct DescentResult {
@@ -32,6 +35,9 @@ struct DescentResult {
   double rotation_error = 0;  ///< [rad]; of a place: 0
   double cost = 0;            ///< squared error [m^2], a radian weighing chain.length
 };
+
+/// The angle [rad] of a turn from its chord 2 sin(angle / 2).
+double angle_of_chord(double chord);
 
 /// Projected Levenberg-Marquardt from q (#joints, within the limits; overwritten by the best posture found).
 /// Every step solves min |J dq - e|^2 + damping |dq|^2 with the joints that would pass a limit held at it, one round

@@ -1,6 +1,9 @@
 #include "manipulators/arm_ik/engine.h"
 
+#include <algorithm>
+
 #include "manipulators/arm_ik/clamped.h"
+#include "manipulators/arm_ik/limb.h"
 
 namespace arm_ik {
 
@@ -11,10 +14,10 @@ constexpr double clamped_rate = 0.1;
 
 }  // namespace
 
-Engine::Engine(const kinematics::Chain& chain) : solver_(chain) {}
+Engine::Engine(const kinematics::Chain& chain) : solver_(chain), human_(HumanArm::recognize(chain)) {}
 
 bool Engine::offers(Method method, std::string& why_not) const {
-  if (method != Method::limb && method != Method::rhythm) return true;
+  if ((method != Method::limb && method != Method::rhythm) || human_) return true;
   why_not = "needs the eleven-freedom human arm";
   return false;
 }
@@ -30,14 +33,33 @@ Solution Engine::solve(Method method, const Goal& goal, const SolveOptions& opti
     case Method::polish: return polish(goal, options, q);
     case Method::clamped: return clamped_least_squares(solver_, goal, options, clamped_rate, q);
     case Method::limb:
+      if (human_) return solve_limb(*human_, goal, options, true, q);
+      break;
     case Method::rhythm:
     case Method::automatic: break;
   }
   return automatic(goal, options, q);
 }
 
+void Engine::natural_posture(const Goal& goal, const SolveOptions& options, std::span<double> posture) const {
+  solve_limb(*human_, goal, options, true, posture);
+}
+
+// closed form for a place, all freedoms for a pose, many starts when one does not arrive
 Solution Engine::automatic(const Goal& goal, const SolveOptions& options, std::span<double> q) {
-  return solver_.full_then_reach(goal, options, q);
+  int spent = 0;
+  if (human_ && !goal.pose) {
+    double trial[HumanArm::joints];
+    std::copy_n(q.begin(), HumanArm::joints, trial);
+    const Solution limb = solve_limb(*human_, goal, options, true, trial);
+    spent = limb.iterations;
+    // even where limits stop it this is the natural place to go on from
+    std::copy_n(trial, HumanArm::joints, q.begin());
+    if (limb.status == Status::reached) return limb;
+  }
+  Solution out = solver_.full_then_reach(goal, options, q);
+  out.iterations += spent;
+  return out;
 }
 
 Solution Engine::polish(const Goal& goal, const SolveOptions& options, std::span<double> q) {

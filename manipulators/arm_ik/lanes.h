@@ -71,6 +71,45 @@ ARM_IK_INLINE void sine_cosine(typename Lanes<N>::Real x, typename Lanes<N>::Rea
   cosine = (Real)((((Mask)s & odd) | ((Mask)c & ~odd)) ^ cosine_sign);
 }
 
+template <int N>
+ARM_IK_INLINE typename Lanes<N>::Real square_root(typename Lanes<N>::Real x) {
+  typename Lanes<N>::Real out;
+  for (int lane = 0; lane < N; ++lane) out[lane] = __builtin_sqrt(x[lane]);
+  return out;
+}
+
+/// Angle of the point (x, y), -pi..pi, to within 2 units in the last place; 0 at the origin. One division, reduction to
+/// |ratio| < 0.67, then the rational approximation of the Cephes library.
+template <int N>
+ARM_IK_INLINE typename Lanes<N>::Real angle_of(typename Lanes<N>::Real y, typename Lanes<N>::Real x) {
+  using Real = typename Lanes<N>::Real;
+  using Mask = typename Lanes<N>::Mask;
+  const Mask sign = (Mask)fill<N>(-0.0);
+  const Real ax = (Real)((Mask)x & ~sign), ay = (Real)((Mask)y & ~sign);
+  const Mask steep = ay > ax;
+  const Real large = steep ? ay : ax, small = steep ? ax : ay;
+  // atan(s / l) = pi/4 + atan((s - l) / (s + l))
+  const Mask high = small > 0.66 * large;
+  const Real upper = high ? small - large : small;
+  Real lower = high ? small + large : large;
+  lower = lower == 0 ? fill<N>(1.0) : lower;
+  const Real r = upper / lower, z = r * r;
+  Real p = z * -8.750608600031904122785E-1 - 1.615753718733365076637E1;
+  p = p * z - 7.500855792314704667340E1;
+  p = p * z - 1.228866684490136173410E2;
+  p = p * z - 6.485021904942025371773E1;
+  Real q = z + 2.485846490142306297962E1;
+  q = q * z + 1.650270098316988542046E2;
+  q = q * z + 4.328810604912902668951E2;
+  q = q * z + 4.853903996359136964868E2;
+  q = q * z + 1.945506571482613964425E2;
+  Real angle = r + r * (z * p / q);
+  angle += high ? fill<N>(0.78539816339744830962) : fill<N>(0.0);
+  angle = steep ? 1.57079632679489661923 - angle : angle;
+  angle = x < 0 ? 3.14159265358979323846 - angle : angle;
+  return (Real)((Mask)angle | ((Mask)y & sign));
+}
+
 /// Processor families with a compiled variant of each kernel.
 enum class Isa { portable, avx2, avx512 };
 

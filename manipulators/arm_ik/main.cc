@@ -1,6 +1,8 @@
 #include <CLI/CLI.hpp>
 #include <cstdlib>
 
+#include "manipulators/arm_ik/arms.h"
+#include "manipulators/arm_ik/figure_arm.h"
 #include "manipulators/arm_ik/solve_command.h"
 #include "objdb/unit.h"
 
@@ -55,6 +57,22 @@ int main(int argc, char** argv) {
       ->capture_default_str();
   app.add_option("--seed", solve.seed, "of random starts")->needs(solving)->capture_default_str();
   app.add_option("--out", solve.out, "result file; standard output if not given")->needs(solving);
+  arm_ik::FigureArm figure;
+  std::string side;
+  std::vector<double> position{0, 0, 0};
+  auto* drawing = app.add_option("--figure", side, "print the create lines of an arm of a figure")
+                      ->check(CLI::IsMember({"right", "left"}));
+  app.add_option("--actor", figure.actor, "whose arm")->needs(drawing)->capture_default_str();
+  app.add_option("--parent", figure.parent, "what carries it, an object of the actor")
+      ->needs(drawing)
+      ->capture_default_str();
+  app.add_option("--position", position, "of the top of the breastbone in the parent's frame, metres")
+      ->needs(drawing)
+      ->expected(3);
+  app.add_option("--stature", figure.stature, "of the actor, metres")
+      ->needs(drawing)
+      ->check(positive)
+      ->capture_default_str();
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
@@ -69,6 +87,11 @@ int main(int argc, char** argv) {
     solve.targets = files[1];
     return arm_ik::run(solve);
   }
-  std::cerr << "arm_ik: nothing to do, see --help\n";
-  return 2;
+  if (!side.empty()) {
+    figure.side = side == "left" ? kinematics::Side::left : kinematics::Side::right;
+    figure.position = {position[0], position[1], position[2]};
+    std::cout << arm_ik::figure_script(figure);
+    return 0;
+  }
+  return arm_ik::Arms().run();
 }

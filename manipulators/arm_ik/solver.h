@@ -59,9 +59,10 @@ class Solver {
   /// Builds the tables of `reach` now rather than on first need.
   void prepare();
 
- private:
+  /// Is the goal farther from the chain's base than all links in a row?
   bool beyond_reach(const Goal& goal) const;
 
+ private:
   kinematics::Chain chain_;
   Packed packed_;
   std::unique_ptr<SeedBank> inner_, edge_;

@@ -12,9 +12,9 @@ start walker as a serving left*
 start wave
 create walker left1
 create walker left2 reach 0.7
-create wave w amplitude 0.4
+create wave w height 0.4
 create node follower parent w position 1 2 3 orientation 0.9 0.1 0.2 0.3
-at 0.1 set w.amplitude 0.9
+at 0.1 set w.height 0.9
 every 150ms set left1.reach 0.2
 run 0.05
 jump left2

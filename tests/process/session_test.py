@@ -201,7 +201,7 @@ class Session(Case):
 
     def test_trace_writes_numbers_with_units(self):
         manager = self.world()
-        for line in ("rate 10Hz", "start wave", "create wave w amplitude 1", "trace t.csv w.position ball.radius", "run 0.5", "sync x"):
+        for line in ("rate 10Hz", "start wave", "create wave w height 1", "trace t.csv w.position ball.radius", "run 0.5", "sync x"):
             manager.must(line)
         manager.finish()
         lines = (self.folder / "t.csv").read_text().splitlines()

@@ -44,9 +44,7 @@ std::string_view name_of(Status status) {
 
 Matrix3d paper_orientation(const Matrix3d& R) {
   Zyz angles = zyz(R, ZyzRule::paper);
-  angles.alpha = std::clamp(angles.alpha, -90 * degree, 90 * degree);
-  angles.beta = std::clamp(angles.beta, 0.0, 61 * degree);
-  angles.gamma = std::clamp(angles.gamma, -90 * degree, 90 * degree);
+  angles.beta = std::min(angles.beta, 61 * degree);
   return rotation(angles);
 }
 

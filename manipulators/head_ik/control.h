@@ -37,8 +37,9 @@ enum class Status { idle, waiting, moving, reached, limited, too_near };
 std::string_view name_of(Status status);
 
 /// The orientation (in the neck's frame, of a head whose own frame is the neck's at rest) that the paper's unit would
-/// take: the angles as printed, each clamped by itself. The paper gives no numbers for its joint limits; ours are
-/// 90 degrees of alpha and gamma, 61 of beta.
+/// take: the angles as printed, each limited by itself. The paper gives no numbers for its limits; ours is 61 degrees
+/// of beta and none of alpha and gamma, because any would forbid whole directions straight ahead, where only their sum
+/// means something.
 Eigen::Matrix3d paper_orientation(const Eigen::Matrix3d& R);
 
 /// The head of one figure in time.

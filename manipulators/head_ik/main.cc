@@ -1,6 +1,7 @@
 #include <CLI/CLI.hpp>
 #include <cstdio>
 
+#include "manipulators/head_ik/chart.h"
 #include "manipulators/head_ik/figure.h"
 #include "manipulators/head_ik/heads.h"
 #include "manipulators/head_ik/solve_command.h"
@@ -21,6 +22,9 @@ int main(int argc, char** argv) {
   app.add_option("--scale", scale, "size of the neck; 1 is a man of middle size")->check(CLI::PositiveNumber);
   app.add_flag("--table", as_table, "the rows as a table instead");
 
+  std::string chart_folder;
+  auto* charting =
+      app.add_option("--chart", chart_folder, "measure what the charts show, into CSV files of this folder");
   auto* solving = app.add_option("--solve", solve.targets, "table of orientations (r11,...,r33) or points (x,y,z)");
   app.add_option("--out", solve.out, "where the answers go; standard output without it")->needs(solving);
   app.add_option("--neck", neck_kind, "whose limits")->check(CLI::IsMember({"full", "reduced"}))->needs(solving);
@@ -49,5 +53,6 @@ int main(int argc, char** argv) {
     solve.paper = method == "paper_zyz";
     return solve_command(make_neck(neck_kind), solve);
   }
+  if (*charting) return head::chart_command(chart_folder);
   return head::Heads().run();
 }

@@ -50,7 +50,7 @@ Result<const Field*> Database::declare_field(Words words) {
 
 const Object* Database::find(std::string_view path) const {
   const auto found = index_.find(path);
-  return found == index_.end() ? nullptr : objects_[found->second].get();
+  return found == index_.end() ? nullptr : *found;
 }
 
 Result<ObjectId> Database::object(const Word& word, const Type* type) const {
@@ -142,7 +142,7 @@ void Database::insert(std::shared_ptr<Object> object) {
     touch(inserted, static_cast<int>(i));
   }
   objects_[inserted.id] = std::move(object);
-  index_.emplace(inserted.path, inserted.id);
+  index_.insert(&inserted);
   if (Object* parent = mutable_object(inserted.parent)) scene::insert_id(parent->children, inserted.id);
   for (std::size_t i = 0; i < inserted.slots.size(); ++i)
     if (inserted.type->fields()[i]->holds_refs())
@@ -156,7 +156,7 @@ void Database::insert(std::shared_ptr<Object> object) {
 
 std::shared_ptr<Object> Database::remove(ObjectId id) {
   std::shared_ptr<Object> object = objects_[id];
-  index_.erase(object->path);
+  index_.erase(object.get());
   if (Object* parent = mutable_object(object->parent)) scene::erase_id(parent->children, id);
   for (std::size_t i = 0; i < object->slots.size(); ++i)
     if (object->type->fields()[i]->holds_refs())
@@ -203,8 +203,8 @@ Status Database::set(const Object& object, int field, Value value) {
   return {};
 }
 
-void Database::assign(const Object& object, int field, Value value) {
-  Object& target = *objects_[object.id];
+void Database::assign(const Object& object, int field, Value&& value) {
+  Object& target = const_cast<Object&>(object);
   Slot& slot = target.slots[static_cast<std::size_t>(field)];
   if (same_bits(slot.value, value)) {
     slot.origin = origin_;
@@ -214,7 +214,8 @@ void Database::assign(const Object& object, int field, Value value) {
   write(target, field, value, origin_);
   // write() has left the old value in `value`
   if (history_limit_ > 0)
-    record({Change::What::value, slot.owner, field, target.id, std::move(value), old_origin, nullptr});
+    record({Change::What::value, static_cast<std::uint16_t>(slot.owner), field, target.id, std::move(value), old_origin,
+            nullptr});
 }
 
 void Database::write(Object& object, int field, Value& value, const Origin& origin) {
@@ -224,7 +225,7 @@ void Database::write(Object& object, int field, Value& value, const Origin& orig
     count_references(declared, slot.value, -1);
     count_references(declared, value, 1);
   }
-  std::swap(slot.value, value);
+  swap_values(slot.value, value);
   slot.origin = origin;
   touch(object, field);
   if (declared.hashed()) touch_hash(object);
@@ -305,7 +306,7 @@ Status Database::drop_referrers(const tsl::robin_set<ObjectId>& doomed, bool for
 void Database::empty_parent(const Object& object) {
   // then the node above it in its path carries it, which it must not carry itself
   while (const Object* first = scene_->in_the_way(object)) empty_parent(*first);
-  assign(object, scene::Scene::parent, std::int64_t{0});
+  assign(object, scene::Scene::parent, Value(std::int64_t{0}));
 }
 
 void Database::record(Change change) {

@@ -66,7 +66,8 @@ class Database : public Names {
   /// Can this value be written there? Errors: type, range, unknown.
   Status check(const Object& object, int field, const Value& value) const;
   /// Writes a value that check() accepts. Writing the same bits again is no change, though the origin is renewed.
-  void assign(const Object& object, int field, Value value);
+  void assign(const Object& object, int field, Value&& value);
+  void assign(const Object& object, int field, const Value& value) { assign(object, field, Value(value)); }
   /// check() and assign().
   Status set(const Object& object, int field, Value value);
   /// Deletes these objects and everything below them. Refused (busy) while others refer to them, unless `force`,
@@ -149,7 +150,19 @@ class Database : public Names {
 
   Schema schema_;
   std::vector<std::shared_ptr<Object>> objects_;  // by id; null: deleted
-  tsl::robin_map<std::string, ObjectId, std::hash<std::string_view>, std::equal_to<>> index_;
+  // objects by their path
+  struct PathHash {
+    using is_transparent = void;
+    std::size_t operator()(std::string_view path) const { return hash_text(path); }
+    std::size_t operator()(const Object* object) const { return object->path_hash; }
+  };
+  struct SamePath {
+    using is_transparent = void;
+    bool operator()(const Object* a, const Object* b) const { return a == b; }
+    bool operator()(const Object* a, std::string_view path) const { return a->path == path; }
+    bool operator()(std::string_view path, const Object* a) const { return a->path == path; }
+  };
+  tsl::robin_set<const Object*, PathHash, SamePath, std::allocator<const Object*>, true> index_;
   std::unique_ptr<scene::Scene> scene_;
   Origin origin_;
 

@@ -1,6 +1,7 @@
 #include "objdb/field.h"
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <limits>
 
@@ -105,10 +106,21 @@ std::size_t null_rotation(const std::vector<double>& numbers) {
   return numbers.size();
 }
 
+// the usual case: a bare number that from_chars takes whole, finite and in range; all else goes the long way
+bool plain_number(const Field& field, const Word& word, double& out) {
+  const char *first = word.text.data(), *last = first + word.text.size();
+  if (word.quoted || first == last) return false;
+  const char digit = *first == '-' && last - first > 1 ? first[1] : *first;
+  if (digit < '0' || digit > '9') return false;
+  const auto [end, error] = std::from_chars(first, last, out);
+  return error == std::errc() && end == last && (!field.ranged || (out >= field.low && out <= field.high));
+}
+
 template <std::size_t N>
 Status parse_numbers(const Field& field, Words words, Value& out) {
   std::array<double, N> numbers;
   for (std::size_t i = 0; i < N; ++i) {
+    if (plain_number(field, words[i], numbers[i])) continue;
     const Result<double> value = parse_number(field, words[i], 0);
     if (!value) return value.error();
     numbers[i] = *value;
@@ -124,9 +136,13 @@ Status parse_numbers(const Field& field, Words words, Value& out) {
 Status parse_scalar(const Field& field, Words words, const Names& names, Value& out) {
   switch (field.kind) {
     case Kind::real: {
-      const Result<double> value = parse_number(field, words[0], 0);
-      if (!value) return value.error();
-      out = *value;
+      double number = 0;
+      if (!plain_number(field, words[0], number)) {
+        const Result<double> value = parse_number(field, words[0], 0);
+        if (!value) return value.error();
+        number = *value;
+      }
+      out = number;
       return {};
     }
     case Kind::vec3: return parse_numbers<3>(field, words, out);
@@ -154,6 +170,10 @@ Status parse_array(const Field& field, Words words, const Names& names, Value& o
       numbers.reserve(words.size());
       const int each = words_of(field.kind);
       for (std::size_t i = 0; i < words.size(); ++i) {
+        if (double number = 0; plain_number(field, words[i], number)) {
+          numbers.push_back(number);
+          continue;
+        }
         const Result<double> value = parse_number(field, words[i], static_cast<int>(i) / each);
         if (!value) return value.error();
         numbers.push_back(*value);

@@ -18,13 +18,14 @@ struct Origin {
   std::uint16_t source = 0;
 };
 
-/// A value in its place.
-struct Slot {
+/// A value in its place: one cache line, so that one write in a large world waits for memory once.
+struct alignas(64) Slot {
   Value value;
-  std::uint64_t event = 0;  ///< number of the latest change event of this slot
-  Origin origin;            ///< of the latest write
-  std::uint16_t owner = 0;  ///< the program that alone may write it, 0: nobody yet
+  Origin origin;                 ///< of the latest write
+  std::uint64_t event : 48 = 0;  ///< number of the latest change event of this slot
+  std::uint64_t owner : 16 = 0;  ///< the program that alone may write it, 0: nobody yet
 };
+static_assert(sizeof(Slot) == 64);
 
 /// Place of a node in the tree of frames; kept by Scene.
 struct Place {
@@ -35,19 +36,20 @@ struct Place {
 };
 
 /// An object of the world. Read freely; only Database writes.
-struct Object {
-  ObjectId id = 0;
-  const Type* type = nullptr;
+struct alignas(64) Object {
+  // what a write needs stands first, in one cache line
   std::string path;
-  ObjectId parent = 0;             ///< by path, 0 at the top
+  const Type* type = nullptr;
+  std::vector<Slot> slots;       ///< one a field of the type
+  std::unique_ptr<Place> place;  ///< of nodes
+  ObjectId id = 0;
+  ObjectId parent = 0;  ///< by path, 0 at the top
+  bool hash_stale = true;
   std::vector<ObjectId> children;  ///< by path, in order of creation
-  std::vector<Slot> slots;         ///< one a field of the type
-  std::unique_ptr<Place> place;    ///< of nodes
   std::uint64_t path_hash = 0;
   std::uint64_t hash = 0;       ///< contribution to the world's hash, as last computed
   std::uint32_t referrers = 0;  ///< how many ref values point here
   std::uint64_t created_event = 0;
-  bool hash_stale = true;
 
   const Value& value(int field) const { return slots[static_cast<std::size_t>(field)].value; }
   bool is_default(int field) const { return same_bits(value(field), type->field(field).standard); }

@@ -2,6 +2,7 @@
 
 #include <cassert>
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -66,23 +67,26 @@ class [[nodiscard]] Result {
   std::variant<T, Error> content_;
 };
 
-/// Success without a value, or an error.
+/// Success without a value, or an error. A success is a null pointer, so that it costs nothing to hand on.
 template <>
 class [[nodiscard]] Result<void> {
  public:
   Result() = default;
-  Result(Error error) : error_(std::move(error)), ok_(false) {}
+  Result(Error error) : error_(std::make_unique<Error>(std::move(error))) {}
+  Result(const Result& other) : error_(other.ok() ? nullptr : std::make_unique<Error>(*other.error_)) {}
+  Result(Result&&) = default;
+  Result& operator=(const Result& other) { return *this = Result(other); }
+  Result& operator=(Result&&) = default;
 
-  bool ok() const { return ok_; }
-  explicit operator bool() const { return ok_; }
+  bool ok() const { return error_ == nullptr; }
+  explicit operator bool() const { return ok(); }
   const Error& error() const {
-    assert(!ok_);
-    return error_;
+    assert(!ok());
+    return *error_;
   }
 
  private:
-  Error error_{ErrorKind::syntax, {}, 0};
-  bool ok_ = true;
+  std::unique_ptr<Error> error_;
 };
 
 using Status = Result<void>;

@@ -339,8 +339,7 @@ Status delete_statement(Database& database, Words words, const Scope& scope) {
   return {};
 }
 
-void append_create(std::string& out, const Database& database, const Object& object,
-                   const Include& include) {
+void append_create(std::string& out, const Database& database, const Object& object, const Include& include) {
   const std::size_t line = out.size();
   std::vector<int> overflow;
   out += "create " + object.type->name() + " " + object.path;
@@ -358,8 +357,7 @@ void append_create(std::string& out, const Database& database, const Object& obj
   for (const int field : overflow) append_set(out, database, object, field);
 }
 
-void append_later_sets(std::string& out, const Database& database, const Object& object,
-                       const Include& include) {
+void append_later_sets(std::string& out, const Database& database, const Object& object, const Include& include) {
   for (int i = 0; i < static_cast<int>(object.slots.size()); ++i) {
     const Field& field = object.type->field(i);
     if (!field.derived && field.said_later() && include(object, field) && !object.is_default(i))
@@ -373,7 +371,8 @@ void append_objects(std::string& out, const Database& database, std::span<const 
   std::vector<ObjectId> moved;
   for (const Object* object : objects) {
     append_create(out, database, *object, include);
-    if (object->place && include(*object, parent) && !object->is_default(scene::Scene::parent)) moved.push_back(object->id);
+    if (object->place && include(*object, parent) && !object->is_default(scene::Scene::parent))
+      moved.push_back(object->id);
   }
   const auto but_parent = [&](const Object& object, const Field& field) {
     return &field != &parent && include(object, field);

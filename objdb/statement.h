@@ -66,11 +66,9 @@ using Include = std::function<bool(const Object&, const Field&)>;
 
 /// `create TYPE PATH FIELD VALUE ...` with every field that `include` accepts and that differs from its default, in
 /// several lines when one would be too long; references and long arrays are left to append_later_sets.
-void append_create(std::string& out, const Database& database, const Object& object,
-                   const Include& include);
+void append_create(std::string& out, const Database& database, const Object& object, const Include& include);
 /// `set PATH.FIELD VALUE ...` lines of what append_create left out, one object's.
-void append_later_sets(std::string& out, const Database& database, const Object& object,
-                       const Include& include);
+void append_later_sets(std::string& out, const Database& database, const Object& object, const Include& include);
 /// All lines that make `objects` where none of them is: creations in the given order (parents first), then long arrays
 /// and references, node.parent from the top of the tree of frames down, so that no step closes a circle.
 void append_objects(std::string& out, const Database& database, std::span<const Object* const> objects,

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
+#include <cstring>
 
 namespace objdb {
 namespace {
@@ -38,6 +39,16 @@ std::size_t utf8_length(std::string_view s, std::size_t at) {
 // control bytes and broken UTF-8 are refused wherever they stand, also inside quotes and comments
 Status check_bytes(std::string_view line) {
   for (std::size_t i = 0; i < line.size();) {
+    // eight printable bytes at once: none has its top bit set, is below 0x20 or is 0x7f
+    // (the carry of a byte that fails may only let others fail, which are then looked at one by one)
+    while (i + 8 <= line.size()) {
+      std::uint64_t word = 0;
+      std::memcpy(&word, line.data() + i, 8);
+      constexpr std::uint64_t each = 0x0101010101010101ull;
+      if (((word | (word - 0x20 * each) | (word + each)) & 0x80 * each) != 0) break;
+      i += 8;
+    }
+    if (i == line.size()) break;
     const auto byte = static_cast<unsigned char>(line[i]);
     if (byte >= 0x20 && byte < 0x7f) {
       ++i;

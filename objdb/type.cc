@@ -23,6 +23,15 @@ Error declaration_too_long(const Word& word) {
       shown(word.text) + ": the line that declares it would be longer than " + std::to_string(longest_line) + " bytes");
 }
 
+// the first three and the last four bytes of a name, and its length
+std::uint64_t name_key(std::string_view name) {
+  std::uint64_t key = name.size();
+  const auto take = [&](std::size_t i) { key = key << 8 | static_cast<unsigned char>(name[i]); };
+  for (std::size_t i = 0; i < std::min<std::size_t>(name.size(), 3); ++i) take(i);
+  for (std::size_t i = name.size() - std::min<std::size_t>(name.size(), 4); i < name.size(); ++i) take(i);
+  return key;
+}
+
 // reads the words of a `field` line one after the other
 class FieldParser {
  public:
@@ -287,7 +296,13 @@ std::string without_doc(Field field) {
 
 Type::Type(std::string name, const Type* base, std::string doc)
     : name_(std::move(name)), doc_(std::move(doc)), base_(base) {
-  if (base_ != nullptr) fields_ = base_->fields_;
+  if (base_ != nullptr)
+    for (const Field* field : base_->fields_) add(*field);
+}
+
+void Type::add(const Field& field) {
+  fields_.push_back(&field);
+  keys_.push_back(name_key(field.name));
 }
 
 bool Type::is(const Type& ancestor) const {
@@ -297,8 +312,9 @@ bool Type::is(const Type& ancestor) const {
 }
 
 int Type::find(std::string_view name) const {
-  for (std::size_t i = 0; i < fields_.size(); ++i)
-    if (fields_[i]->name == name) return static_cast<int>(i);
+  const std::uint64_t key = name_key(name);
+  for (std::size_t i = 0; i < keys_.size(); ++i)
+    if (keys_[i] == key && fields_[i]->name == name) return static_cast<int>(i);
   return -1;
 }
 
@@ -424,7 +440,7 @@ Result<Schema::Declared> Schema::declare_field(Words words) {
 
   const Field& field = *fields_.emplace_back(std::make_unique<Field>(std::move(*parsed)));
   for (const auto& type : types_)
-    if (type->is(owner)) mutable_type(*type).fields_.push_back(&field);
+    if (type->is(owner)) mutable_type(*type).add(field);
   return Declared{&field, true};
 }
 

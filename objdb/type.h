@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <span>
 #include <string>
@@ -37,7 +38,10 @@ class Type {
 
   std::string name_, doc_;
   const Type* base_;
+  void add(const Field& field);
+
   std::vector<const Field*> fields_;
+  std::vector<std::uint64_t> keys_;  // first bytes and length of each field's name: most others are told apart by them
 };
 
 /// All types of a world, in order of declaration.

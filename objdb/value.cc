@@ -13,8 +13,20 @@ std::string_view name_of(Kind kind) {
 
 int words_of(Kind kind) { return kind == Kind::vec3 ? 3 : kind == Kind::quat ? 4 : 1; }
 
+void swap_values(Value& a, Value& b) {
+  if (a.index() != b.index()) return a.swap(b);
+  switch (a.index()) {
+    case 0: return std::swap(*std::get_if<0>(&a), *std::get_if<0>(&b));
+    case 1: return std::swap(*std::get_if<1>(&a), *std::get_if<1>(&b));
+    case 2: return std::swap(*std::get_if<2>(&a), *std::get_if<2>(&b));
+    case 3: return std::swap(*std::get_if<3>(&a), *std::get_if<3>(&b));
+    default: a.swap(b);
+  }
+}
+
 bool same_bits(const Value& a, const Value& b) {
   if (a.index() != b.index()) return false;
+  if (const Vec3* left = std::get_if<Vec3>(&a)) return std::memcmp(left, std::get_if<Vec3>(&b), sizeof(Vec3)) == 0;
   return std::visit(
       [&](const auto& left) {
         using T = std::decay_t<decltype(left)>;
@@ -47,7 +59,10 @@ std::uint64_t hash_text(std::string_view text, std::uint64_t seed) {
     // eight bytes at a time, little end first whatever the machine
     std::uint64_t word = 0;
     const std::size_t n = text.size() < 8 ? text.size() : 8;
-    for (std::size_t i = 0; i < n; ++i) word |= std::uint64_t{static_cast<unsigned char>(text[i])} << (8 * i);
+    if (n == 8 && std::endian::native == std::endian::little)
+      std::memcpy(&word, text.data(), 8);
+    else
+      for (std::size_t i = 0; i < n; ++i) word |= std::uint64_t{static_cast<unsigned char>(text[i])} << (8 * i);
     hash = hash_word(hash, word);
     text.remove_prefix(n);
   }

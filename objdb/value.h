@@ -39,6 +39,9 @@ using Value = std::variant<std::int64_t, double, Vec3, Quat, std::string, std::v
 /// True when both hold the same bits (so that -0 and 0 differ, as they print differently).
 bool same_bits(const Value& a, const Value& b);
 
+/// Swaps; small values of the same alternative without a visit.
+void swap_values(Value& a, Value& b);
+
 /// 64 bits of `text`; the same on every machine and in every build.
 std::uint64_t hash_text(std::string_view text, std::uint64_t seed = 0);
 /// Mixes one 64-bit word into a hash.

@@ -306,6 +306,62 @@ class Manipulators(Walkers):
         manager.finish()
         self.assertFalse(set(pathlib.Path("/dev/shm").iterdir()) - before)
 
+    def test_the_end_of_a_program_is_told_with_its_reason(self):
+        manager = self.manager()
+        for line in ("start walker -- kill tick 2", "create walker w", "step 3"):
+            manager.must(line)
+        manager.event(r"^event gone walker killed 9$")
+
+    def test_a_verb_acts_on_the_world_as_it_stands(self):
+        manager, _ = self.walk(ticks=2)
+        manager.send(b"set w.position 1 2 3\n@w where w\n")
+        self.assertEqual(manager.answer("w").body, ["1.0 2.0 3.0"])
+
+    def test_a_program_is_not_told_its_own_writes(self):
+        manager, _ = self.walk("log", ticks=3)
+        manager.must("set w.position 1 2 3")
+        manager.must("step")
+        told = [line for line in (self.folder / "heard").read_text().splitlines() if line.startswith("set w.position")]
+        self.assertEqual(told, ["set w.position 1 2 3"])
+
+    def test_writing_a_field_covers_subtypes(self):
+        manager, _ = self.walk(ticks=1)
+        manager.must("type runner extends walker")
+        manager.must("create runner r reach 0.9")
+        manager.must("step 2")
+        self.assertEqual(manager.must("get r.steps"), "2")
+
+    def test_objects_come_and_go(self):
+        manager, _ = self.walk(ticks=2)
+        manager.must("delete w")
+        manager.must("step")
+        manager.must("create walker w")
+        manager.must("step 2")
+        self.assertEqual(manager.must("get w.steps"), "2")
+        manager.must("delete **")
+        manager.must("step")
+        self.assertEqual(manager.must("list"), "")
+
+    def test_the_environment_is_inherited_and_a_launcher_stands_before(self):
+        self.file("show", "#!/bin/sh\nread hello\necho \"$TEST_WORD $*\" > shown\necho ready\nwhile read line; do echo done; done\n")
+        os.chmod(self.folder / "show", 0o755)
+        environ = sailor.environment(self.folder, TEST_WORD="inherited")
+        done = self.run_manager("-c", "start ./show -- one 'two words'".replace("'", '"'), environ=environ)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertEqual((self.folder / "shown").read_text(), "inherited one two words\n")
+        done = self.run_manager("-c", "start ./show with env TEST_WORD=launched -- three", environ=environ)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertEqual((self.folder / "shown").read_text(), "launched three\n")
+
+    def test_rate_and_timeout_of_a_program(self):
+        self.file("slow", "#!/bin/sh\necho 'rate 5Hz'\necho ready\nwhile read verb number rest; do\n[ $verb = tick ] && echo $number >> ticks\n"
+                  "echo done $number\ndone\n")
+        os.chmod(self.folder / "slow", 0o755)
+        manager = self.manager()
+        for line in ("rate 20Hz", "start ./slow", "run 2"):
+            manager.must(line)
+        self.assertIn(len((self.folder / "ticks").read_text().split()), (10, 11))
+
     def test_the_small_program_of_the_documentation(self):
         manager = self.manager()
         for line in ("start wave", "create wave w height 1 middle 0 2 0", "rate 10Hz", "run 0.5"):

@@ -2,6 +2,7 @@
 #include <fstream>
 #include <iostream>
 
+#include "manipulators/eye_control/eyes.h"
 #include "manipulators/eye_control/simulate.h"
 #include "objdb/text.h"
 #include "objdb/unit.h"
@@ -42,7 +43,11 @@ objdb::Status set(eye::Parameters& parameters, const std::string& setting) {
     for (const eye::Parameter& p : eye::parameter_table()) names.push_back(p.name);
     return objdb::Error{objdb::ErrorKind::unknown, "no field " + name + objdb::did_you_mean(name, names), 0};
   }
-  const auto unit = objdb::parse_unit(field->unit);
+  if (field->is_switch() && (value == "true" || value == "false")) {
+    parameters.*field->value = value == "true";
+    return {};
+  }
+  const auto unit = objdb::parse_unit(field->wire_unit());
   auto number = objdb::parse_real(value, unit ? unit->dimension : objdb::Dimension{});
   if (!number) return objdb::Error{number.error().kind, name + ": " + number.error().sentence, 0};
   parameters.*field->value = *number;
@@ -96,7 +101,9 @@ int simulate(const Options& options) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app("Both eyes of a figure: saccades, pursuit, vergence and reflexes.");
+  CLI::App app(
+      "eye_control: both eyes of a figure: saccades, pursuit, vergence and reflexes.\n"
+      "Without options it is a manipulator.");
   Options options;
   app.add_option("--simulate", options.target, "run the eyes over a target's course (CSV) without a dialog manager");
   app.add_option("--head", options.head, "the head's course (CSV)");
@@ -114,5 +121,6 @@ int main(int argc, char** argv) {
     if (options.out.empty()) return complain(bad_usage, "eye_control: error syntax --simulate needs --out TRACE.csv");
     return simulate(options);
   }
-  return complain(bad_usage, "eye_control: error syntax nothing to do, try --help");
+  if (argc > 1) return complain(bad_usage, "eye_control: error syntax expected --simulate, see --help");
+  return eye::Eyes().run();
 }

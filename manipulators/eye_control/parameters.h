@@ -123,16 +123,22 @@ struct Parameters {
 
   /// A delay in whole internal steps, at least 1.
   int steps(double delay) const;
+
+  bool operator==(const Parameters&) const = default;
 };
 
 /// One row of the table of parameters: everything the language, the command line and the documentation need.
 struct Parameter {
   std::string_view name;
-  std::string_view unit;  ///< "s", "rad", "rad/s", "rad/s^2", "1/s", "m" or "" for a plain number
+  std::string_view unit;  ///< "s", "rad", "rad/s", "rad/s^2", "1/s", "m", "" for a plain number, "switch" for 0 or 1
   double Parameters::*value;
   double low, high;  ///< bounds, both allowed
   std::string_view doc;
   std::string_view source;
+
+  bool is_switch() const { return unit == "switch"; }
+  /// The unit as the language writes it.
+  std::string_view wire_unit() const { return is_switch() ? "" : unit == "1/s" ? "Hz" : unit; }
 };
 
 std::span<const Parameter> parameter_table();

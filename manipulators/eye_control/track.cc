@@ -25,7 +25,7 @@ Vector3d median(const Vector3d& a, const Vector3d& b, const Vector3d& c) {
 Track::Track(Jump jump, Vector3d weight, double grid) : jump_(jump), weight_(std::move(weight)), grid_(grid) {}
 
 void Track::add(double time, const Vector3d& value, bool present) {
-  knots_.push_back({time, value, value, value, present, false});
+  knots_.push_back({time, value, value, value, present});
   const size_t last = knots_.size() - 1;
   if (last == 0) return;
   // the segment before can now be compared with what followed it

@@ -46,7 +46,6 @@ class Track {
     double time = 0;
     Eigen::Vector3d value, before, after;
     bool present = true;
-    bool judged = false;
   };
   const std::vector<Knot>& knots() const { return knots_; }
   void set_knots(std::vector<Knot> knots) { knots_ = std::move(knots); }

@@ -9,6 +9,8 @@ using Eigen::Vector3d;
 
 namespace {
 
+constexpr double step = 0.001;                     // a put head moves within one internal step, s
+constexpr double most_acceleration = 10000 * deg;  // of heads, rad/s^2; impulses by hand reach 7100 deg/s^2
 constexpr size_t head_numbers = 8, knot_numbers = 11;
 
 }  // namespace
@@ -22,7 +24,26 @@ void TickWorld::add(double time, const HeadPose& head, const Vector3d* target, b
   target_.set_weight(Vector3d::Constant(1 / distance));
   if (switched && !heads_.empty()) target_.add(heads_.back().time, place, target != nullptr);
   target_.add(time, place, target != nullptr);
+  if (!heads_.empty() && heads_.back().time + step < time && jumped(time, head)) {
+    heads_.push_back({heads_.back().time + step, head});
+  }
   heads_.push_back({time, head});
+}
+
+// no head turns that suddenly: it was put there
+bool TickWorld::jumped(double time, const HeadPose& head) const {
+  const Moment& last = heads_.back();
+  const double length = time - last.time;
+  const auto turn = [](const HeadPose& a, const HeadPose& b) {
+    const Eigen::AngleAxisd turned(b.orientation * a.orientation.conjugate());
+    return Vector3d(turned.angle() * turned.axis());
+  };
+  Vector3d expected = Vector3d::Zero();
+  if (heads_.size() >= 2) {
+    const Moment& before = heads_[heads_.size() - 2];
+    expected = length / (last.time - before.time) * turn(before.pose, last.pose);
+  }
+  return (turn(last.pose, head) - expected).norm() > most_acceleration * length * length;
 }
 
 void TickWorld::forget(double span) {

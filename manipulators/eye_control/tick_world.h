@@ -10,7 +10,9 @@ namespace eye {
 ///
 /// Between two ticks the head and a moving target go straight (the head along the shortest rotation). A target that
 /// jumped between two ticks jumped at the earlier one, since that is when the command was said; which of the two it was
-/// is judged when the next tick is known, early enough for eyes that see with a delay longer than a tick.
+/// is judged when the next tick is known, early enough for eyes that see with a delay longer than a tick. A head cannot
+/// wait for that, because its reflex is faster than a tick: what would take more than 10 000 deg/s^2 is a head that was
+/// put there, and happens within a millisecond of the earlier tick.
 class TickWorld : public World {
  public:
   TickWorld();
@@ -34,6 +36,8 @@ class TickWorld : public World {
   bool restore(const std::vector<double>& heads, const std::vector<double>& targets);
 
  private:
+  bool jumped(double time, const HeadPose& head) const;
+
   struct Moment {
     double time;
     HeadPose pose;

@@ -5,11 +5,13 @@
 #include <assimp/scene.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <array>
 #include <assimp/Importer.hpp>
 #include <cmath>
 #include <cstdint>
 #include <filesystem>
+#include <fstream>
 #include <unordered_map>
 
 #include "manipulators/mesh/normals.h"
@@ -162,6 +164,63 @@ Surface finished(const Draft& draft) {
   return surface;
 }
 
+/// A face without corners or with one that does not exist, which Assimp's own steps would abort on.
+bool has_broken_face(const aiScene& scene) {
+  for (unsigned m = 0; m < scene.mNumMeshes; ++m) {
+    const aiMesh& mesh = *scene.mMeshes[m];
+    for (unsigned f = 0; f < mesh.mNumFaces; ++f) {
+      const aiFace& face = mesh.mFaces[f];
+      const auto exists = [&](unsigned v) { return v < mesh.mNumVertices; };
+      if (face.mNumIndices == 0 || !std::all_of(face.mIndices, face.mIndices + face.mNumIndices, exists)) {
+        return true;
+      }
+    }
+  }
+  return false;
+}
+
+/// Reads and triangulates; null with `reason` when the file is no good.
+const aiScene* read_scene(Assimp::Importer& importer, const std::string& path, std::string& reason) {
+  importer.SetPropertyInteger(AI_CONFIG_PP_RVC_FLAGS, aiComponent_NORMALS | aiComponent_TANGENTS_AND_BITANGENTS |
+                                                          aiComponent_COLORS | aiComponent_TEXCOORDS |
+                                                          aiComponent_BONEWEIGHTS | aiComponent_ANIMATIONS |
+                                                          aiComponent_LIGHTS | aiComponent_CAMERAS);
+  importer.SetPropertyInteger(AI_CONFIG_PP_SBP_REMOVE, aiPrimitiveType_POINT | aiPrimitiveType_LINE);
+  const aiScene* scene = importer.ReadFile(path, 0);
+  if (scene != nullptr && (scene->mRootNode == nullptr || scene->mNumMeshes == 0)) {
+    reason = "it holds no mesh";
+    return nullptr;
+  }
+  if (scene != nullptr && has_broken_face(*scene)) {
+    reason = "a face has no corners, or one that does not exist";
+    return nullptr;
+  }
+  if (scene != nullptr) {
+    scene = importer.ApplyPostProcessing(aiProcess_ValidateDataStructure);
+  }
+  if (scene != nullptr) {
+    scene = importer.ApplyPostProcessing(aiProcess_RemoveComponent | aiProcess_Triangulate | aiProcess_SortByPType);
+  }
+  reason = importer.GetErrorString();
+  return scene != nullptr && scene->mRootNode != nullptr ? scene : nullptr;
+}
+
+/// Whether a PLY file has the end of its header; Assimp 5.2 never comes back from one that has not.
+bool is_cut_off_ply(const std::string& path) {
+  if (std::filesystem::path(path).extension() != ".ply") {
+    return false;
+  }
+  std::ifstream file(path, std::ios::binary);
+  constexpr int longest_header = 1000;
+  std::string line;
+  for (int i = 0; i < longest_header && std::getline(file, line); ++i) {
+    if (line.rfind("end_header", 0) == 0) {
+      return false;
+    }
+  }
+  return true;
+}
+
 }  // namespace
 
 Result<Surface> read_surface(const std::string& path, const ReadOptions& options) {
@@ -173,17 +232,15 @@ Result<Surface> read_surface(const std::string& path, const ReadOptions& options
   if (!std::filesystem::is_regular_file(status)) {
     return Error{"io", "mesh file " + path + " is not a file"};
   }
+  if (is_cut_off_ply(path)) {
+    return Error{"syntax", "mesh file " + path + " cannot be read: its PLY header has no end_header"};
+  }
 
   Assimp::Importer importer;
-  importer.SetPropertyInteger(AI_CONFIG_PP_RVC_FLAGS, aiComponent_NORMALS | aiComponent_TANGENTS_AND_BITANGENTS |
-                                                          aiComponent_COLORS | aiComponent_TEXCOORDS |
-                                                          aiComponent_BONEWEIGHTS | aiComponent_ANIMATIONS |
-                                                          aiComponent_LIGHTS | aiComponent_CAMERAS);
-  importer.SetPropertyInteger(AI_CONFIG_PP_SBP_REMOVE, aiPrimitiveType_POINT | aiPrimitiveType_LINE);
-  const aiScene* scene = importer.ReadFile(path, aiProcess_ValidateDataStructure | aiProcess_RemoveComponent |
-                                                     aiProcess_Triangulate | aiProcess_SortByPType);
-  if (scene == nullptr || scene->mRootNode == nullptr) {
-    return Error{"syntax", "mesh file " + path + " cannot be read: " + importer.GetErrorString()};
+  std::string reason;
+  const aiScene* scene = read_scene(importer, path, reason);
+  if (scene == nullptr) {
+    return Error{"syntax", "mesh file " + path + " cannot be read: " + reason};
   }
 
   Draft draft;

@@ -90,6 +90,11 @@ int main(int argc, char** argv) {
     }
   }
   options.read_input = options.texts.empty() || options.interactive;
+  struct stat input {};
+  if (options.read_input && ::fstat(STDIN_FILENO, &input) == 0 && S_ISDIR(input.st_mode)) {
+    std::cerr << "dialog_manager: error io standard input is a folder\n";
+    return 1;
+  }
   manager::Manager manager(std::move(options));
   return manager.run();
 }

@@ -5,7 +5,9 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <csignal>
+#include <cstring>
 #include <filesystem>
 
 namespace manager {
@@ -36,6 +38,8 @@ class Asked : public Operation {
 };
 
 Error unknown_verb(const Manager& manager, const Word& verb) {
+  if (verb.quoted)
+    return {ErrorKind::syntax, shown(verb.text) + " is quoted, expected a verb as a bare word", verb.column};
   std::vector<std::string_view> names;
   for (const Command* command : commands()) names.push_back(command->name);
   for (const auto& manipulator : manager.manipulators())
@@ -60,7 +64,7 @@ Manager::Manager(Options options)
   main_ = std::make_unique<Session>("main", style, out_, errors_);
   main_->id = add_source("main");
   main_->keep_going(options_.keep_going);
-  scheduled_ = std::make_unique<Session>("schedule", Session::Style::people, out_, errors_);
+  scheduled_ = std::make_unique<Session>("schedule", style, out_, errors_);
   scheduled_->id = add_source("schedule");
   open_streams();
 }
@@ -81,7 +85,7 @@ void Manager::open_streams() {
   if (!options_.read_input) return;
   Input input;
   input.name = "<stdin>";
-  input.live = std::make_unique<channel::Reader>(loop_, STDIN_FILENO, channel::Descriptor::shared, longest_line());
+  input.live = std::make_unique<channel::Reader>(loop_, STDIN_FILENO, channel::Descriptor::shared, 65536);
   main_->enqueue(std::move(input));
 }
 
@@ -108,19 +112,29 @@ int Manager::run() {
       loop_.wait(next_deadline());
   }
   end_programs();
+  traces_.clear();
+  for (const std::string& path : made_fifos_) ::unlink(path.c_str());
   out_.drain(std::chrono::seconds(5));
+  if (out_.failure() != 0) {
+    exit_status_ = 1;
+    if (out_.failure() != EPIPE)
+      errors_.write(std::string("dialog_manager: error io standard output cannot be written: ") +
+                    std::strerror(out_.failure()) + "\n");
+  }
   errors_.drain(std::chrono::seconds(1));
   return signal_ != 0 ? 128 + signal_ : exit_status_;
 }
 
 bool Manager::step() {
   bool did = false;
+  ending_.clear();
   for (const auto& manipulator : manipulators_) {
     manipulator->check_deadline();
     did |= manipulator->step();
   }
   if (tick_in_flight()) return step_tick() || did;
   did |= step_sessions();
+  if (did && !tick_in_flight() && !in_transaction()) tell_watchers();
   if (tick_in_flight() || quitting_) return did;
   if (wants_tick()) {
     const auto due = clock.next_tick_due();
@@ -138,7 +152,13 @@ bool Manager::step_sessions() {
     const bool did = scheduled_->step(*this, 1);
     if (scheduled_->operation() != nullptr) return did;
   }
-  return main_->step(*this, lines_at_a_time);
+  // a few lines each, so that nobody waits for a flood
+  bool did = main_->step(*this, lines_at_a_time);
+  for (const auto& speaker : speakers_) {
+    if (tick_in_flight() || scheduled_->operation() != nullptr) break;
+    did |= speaker->step(*this, lines_at_a_time / 16);
+  }
+  return did;
 }
 
 bool Manager::all_read() const {
@@ -151,8 +171,12 @@ std::optional<Wall::time_point> Manager::next_deadline() const {
     if (each && (!first || *each < *first)) first = each;
   };
   for (const auto& manipulator : manipulators_) take(manipulator->deadline());
-  for (const Session* session : {main_.get(), scheduled_.get()})
-    if (session->operation() != nullptr) take(session->operation()->deadline());
+  const auto take_session = [&](const Session& session) {
+    if (session.operation() != nullptr) take(session.operation()->deadline());
+  };
+  take_session(*main_);
+  take_session(*scheduled_);
+  for (const auto& speaker : speakers_) take_session(*speaker);
   if (!tick_in_flight() && wants_tick()) take(clock.next_tick_due());
   return first;
 }
@@ -178,7 +202,8 @@ Outcome Manager::execute(Source& source, Session* session, const LineWords& word
   }
   if (call.words.size() < command->least || call.words.size() > command->most)
     return Error{
-        ErrorKind::syntax, "expected " + std::string(command->name) + " " + std::string(command->syntax),
+        ErrorKind::syntax,
+        "expected " + std::string(command->name) + (command->syntax.empty() ? "" : " ") + std::string(command->syntax),
         (call.words.size() < command->least || call.words.empty() ? all.back() : call.words[command->most]).column};
   if (command->effect == Effect::time && (session == nullptr || session == scheduled_.get()))
     return Error{ErrorKind::busy, std::string(command->name) + " makes time pass: only people and scripts can say it",
@@ -186,14 +211,21 @@ Outcome Manager::execute(Source& source, Session* session, const LineWords& word
   if (command->effect == Effect::time && in_transaction())
     return Error{ErrorKind::busy, std::string(command->name) + " makes time pass: commit or rollback first",
                  all[0].column};
-  if (command->effect != Effect::change) return command->run(call);
+  if (command->effect != Effect::change) {
+    monitor(source, line);
+    return command->run(call);
+  }
 
   world.speak_as({lines.add(line), static_cast<std::uint32_t>(clock.tick() + (tick_in_flight() ? 1 : 0)), source.id});
   const std::uint64_t mark = world.mark();
   Outcome outcome = command->run(call);
+  ++counters.lines;
   if (!outcome.status) {
     world.roll_back(mark);
-  } else if (world.mark() != mark && !in_transaction() && !tick_in_flight()) {
+    return outcome;
+  }
+  monitor(source, line);
+  if (world.mark() != mark && !in_transaction() && !tick_in_flight()) {
     undo_marks_.push_back(mark);
     redo_.clear();
   }
@@ -233,7 +265,10 @@ Outcome Manager::forward(Call& call, Manipulator& manipulator, const Manipulator
 }
 
 void Manager::session_failed(Session& session) {
+  // who speaks through a FIFO may err without ending a batch
+  if (&session != main_.get() && &session != scheduled_.get()) return;
   exit_status_ = 1;
+  if (options_.keep_going) return;
   if (options_.interactive)
     session.leave_texts();
   else if (session.style() == Session::Style::people)
@@ -246,6 +281,62 @@ void Manager::stream_ended(Session& session) {
 }
 
 void Manager::event(std::string_view text) { main_->event(text); }
+
+// -- speakers on FIFOs
+
+Status Manager::listen(const std::string& path) {
+  for (const auto& speaker : speakers_)
+    if (speaker->name == path) return Error{ErrorKind::exists, path + " is listened to already", 0};
+  const auto failed = [&] {
+    return Error{errno == EMFILE || errno == ENFILE ? ErrorKind::limit : ErrorKind::io,
+                 path + " cannot be listened to: " + std::strerror(errno), 0};
+  };
+  const bool made = ::mkfifo(path.c_str(), 0600) == 0;
+  if (!made && errno != EEXIST) return failed();
+  // open for writing too, so that the end of one writer is not the end of the stream
+  const int descriptor = ::open(path.c_str(), O_RDWR | O_NONBLOCK | O_CLOEXEC | O_NOFOLLOW);
+  if (descriptor < 0) return failed();
+  struct stat status {};
+  ::fstat(descriptor, &status);
+  if (!S_ISFIFO(status.st_mode) || status.st_uid != ::geteuid() || (status.st_mode & 022) != 0) {
+    ::close(descriptor);
+    return Error{ErrorKind::io,
+                 path + (S_ISFIFO(status.st_mode) ? " can be written by others, expected a FIFO of ours, mode 0600"
+                                                  : " is no FIFO"),
+                 0};
+  }
+  auto session = std::make_unique<Session>(path, Session::Style::people, out_, errors_);
+  session->id = add_source(path);
+  session->keep_going(true);
+  session->limit_lines(4096);
+  Input input;
+  input.name = path;
+  input.live = std::make_unique<channel::Reader>(loop_, descriptor, channel::Descriptor::own, 4096);
+  session->enqueue(std::move(input));
+  speakers_.push_back(std::move(session));
+  if (made) made_fifos_.push_back(path);
+  return {};
+}
+
+Status Manager::unlisten(const std::string& path) {
+  const auto speaker =
+      std::find_if(speakers_.begin(), speakers_.end(), [&](const auto& each) { return each->name == path; });
+  if (speaker == speakers_.end()) return Error{ErrorKind::unknown, path + " is not listened to", 0};
+  if (transaction_ == speaker->get()) (void)roll_back(**speaker);
+  // a session cannot be taken away while it speaks; it ends when its lines do
+  (*speaker)->stop();
+  ending_.push_back(std::move(*speaker));
+  speakers_.erase(speaker);
+  if (std::erase(made_fifos_, path) > 0) ::unlink(path.c_str());
+  return {};
+}
+
+std::vector<std::string> Manager::sources() const {
+  std::vector<std::string> out = {main_->name};
+  for (const auto& speaker : speakers_) out.push_back(speaker->name);
+  for (const auto& manipulator : manipulators_) out.push_back(manipulator->name);
+  return out;
+}
 
 // -- transactions
 
@@ -312,7 +403,11 @@ void Manager::pause(bool pause) {
 bool Manager::wants_tick() const {
   if (paused_ || in_transaction() || scheduled_->operation() != nullptr) return false;
   if (free_) return true;
-  return main_->operation() != nullptr && main_->operation()->wants_tick(*this);
+  const auto wants = [&](const Session& session) {
+    return session.operation() != nullptr && session.operation()->wants_tick(*this);
+  };
+  return wants(*main_) ||
+         std::any_of(speakers_.begin(), speakers_.end(), [&](const auto& each) { return wants(*each); });
 }
 
 void Manager::begin_tick() {
@@ -355,6 +450,9 @@ bool Manager::step_tick() {
 void Manager::finish_tick() {
   stage_ = -1;
   clock.advance();
+  ++counters.ticks;
+  for (const auto& trace : traces_) trace->tick(world, clock.time());
+  tell_watchers();
   for (const Schedule::Entry& entry : schedule.take_due(clock.time(), world))
     scheduled_->enqueue_command(entry.command, entry.where, entry.scope);
   scheduled_->step(*this, lines_at_a_time);
@@ -368,10 +466,56 @@ void Manager::break_tick(const Error& error) {
     stage_ = -1;
     clock.advance();
   }
-  if (main_->operation() != nullptr && main_->operation()->wants_tick(*this)) main_->end_operation(*this, error);
+  const auto end = [&](Session& session) {
+    if (session.operation() != nullptr && session.operation()->wants_tick(*this)) session.end_operation(*this, error);
+  };
+  end(*main_);
+  for (const auto& speaker : speakers_) end(*speaker);
 }
 
 // -- programs
+
+// -- who looks on
+
+void Manager::monitor(const Source& source, std::string_view line) {
+  if (!monitored_ || &source == monitored_) return;
+  monitored_->event("event said " + source.name + " " + std::string(line));
+}
+
+Status Manager::watch(Session& session, std::string pattern, objdb::Scope scope) {
+  if (!watch_feed_) watch_feed_ = world.subscribe();
+  watches_.push_back({&session, std::move(pattern), std::move(scope)});
+  return {};
+}
+
+void Manager::unwatch(const Session& session) {
+  std::erase_if(watches_, [&](const Watch& watch) { return watch.session == &session; });
+  if (watches_.empty() && watch_feed_) {
+    world.unsubscribe(*watch_feed_);
+    watch_feed_.reset();
+  }
+}
+
+void Manager::tell_watchers() {
+  if (!watch_feed_ || !world.has_events(*watch_feed_)) return;
+  world.read_feed(*watch_feed_, [&](const Database::Event& event, const Object& object) {
+    for (const Watch& watch : watches_) {
+      const Result<Target> target = parse_target({watch.pattern, 0, false});
+      if (!target || !matches(watch.scope.resolve(target->pattern), object.path)) continue;
+      if (event.field == Database::Event::deleted) {
+        watch.session->event("event deleted " + object.path);
+      } else if (event.field == Database::Event::created) {
+        watch.session->event("event created " + object.type->name() + " " + object.path);
+      } else {
+        const Field& field = object.type->field(event.field);
+        if (!target->field.empty() && !matches(target->field, field.name)) continue;
+        std::string line = "event " + object.path + "." + field.name + " ";
+        append_value(line, field, world.value(object, event.field), world);
+        watch.session->event(line);
+      }
+    }
+  });
+}
 
 Result<Manipulator*> Manager::start(const std::string& program, const std::string& as,
                                     const std::vector<std::string>& launcher, const std::string& serving,
@@ -402,7 +546,7 @@ Result<Manipulator*> Manager::start(const std::string& program, const std::strin
   }
   argv.push_back(path);
   argv.insert(argv.end(), arguments.begin(), arguments.end());
-  auto manipulator = std::make_unique<Manipulator>(*this, name, std::move(argv), serving);
+  auto manipulator = std::make_unique<Manipulator>(*this, name, program, std::move(argv), serving);
   manipulator->id = add_source(name);
   if (Status launched = manipulator->launch(); !launched) return launched.error();
   manipulators_.push_back(std::move(manipulator));
@@ -444,7 +588,8 @@ Status Manager::arrange_stages() {
       for (std::size_t w = 0; w < count; ++w) {
         if (!members[w]->writes(*field)) continue;
         for (std::size_t r = 0; r < count; ++r) {
-          if (r == w) continue;
+          // shards of one program stand side by side and see what the others did a tick later
+          if (r == w || members[r]->program() == members[w]->program()) continue;
           bool delayed = false;
           bool reads = members[r]->reads(*field, &delayed) && !delayed;
           if (!reads && std::find(std::begin(moving), std::end(moving), field->name) != std::end(moving) &&

@@ -12,6 +12,7 @@
 #include "dialog_manager/manipulator.h"
 #include "dialog_manager/schedule.h"
 #include "dialog_manager/session.h"
+#include "dialog_manager/trace.h"
 #include "objdb/database.h"
 
 namespace manager {
@@ -55,7 +56,6 @@ class Manager {
                   const objdb::Scope& scope, std::string& out);
   /// The name of a source by its number.
   std::string source_name(std::uint16_t id) const;
-  std::size_t longest_line() const { return 65536; }
   const Options& options() const { return options_; }
 
   // -- transactions and undo
@@ -67,6 +67,24 @@ class Manager {
   /// Another session's transaction is open.
   bool busy_for(const Session& session) const { return transaction_ != nullptr && transaction_ != &session; }
   bool in_transaction() const { return transaction_ != nullptr; }
+
+  // -- more speakers, and who looks on
+  /// Reads commands from a FIFO, made with mode 0600 when it is not there. Errors: exists, io, limit.
+  objdb::Status listen(const std::string& path);
+  objdb::Status unlisten(const std::string& path);
+  std::vector<std::string> sources() const;
+  /// Tells this session every accepted line, with who said it; null: nobody.
+  void monitor_for(Session* session) { monitored_ = session; }
+  objdb::Status watch(Session& session, std::string pattern, objdb::Scope scope);
+  void unwatch(const Session& session);
+  void add_trace(std::unique_ptr<Trace> trace) { traces_.push_back(std::move(trace)); }
+  /// False: no trace to that file.
+  bool end_trace(const std::string& path) {
+    return std::erase_if(traces_, [&](const auto& trace) { return trace->path() == path; }) > 0;
+  }
+  struct Counters {
+    std::uint64_t lines = 0, ticks = 0;
+  } counters;
 
   // -- time
   bool tick_in_flight() const { return stage_ >= 0; }
@@ -114,6 +132,8 @@ class Manager {
   bool all_read() const;
   std::optional<channel::Clock::time_point> next_deadline() const;
   void flush();
+  void monitor(const Source& source, std::string_view line);
+  void tell_watchers();
   void end_programs();
   void open_streams();
 
@@ -123,7 +143,18 @@ class Manager {
   std::vector<std::string> source_names_;
   std::unique_ptr<Session> main_;
   std::unique_ptr<Session> scheduled_;
+  std::vector<std::unique_ptr<Session>> speakers_, ending_;
+  std::vector<std::string> made_fifos_;
   std::vector<std::unique_ptr<Manipulator>> manipulators_;
+  struct Watch {
+    Session* session;
+    std::string pattern;
+    objdb::Scope scope;
+  };
+  std::vector<Watch> watches_;
+  std::optional<objdb::Database::FeedId> watch_feed_;
+  std::vector<std::unique_ptr<Trace>> traces_;
+  Session* monitored_ = nullptr;
 
   int stage_ = -1;
   int stages_ = 0;

@@ -17,7 +17,6 @@ using Wall = channel::Clock;
 
 constexpr std::size_t longest_line = 65536;
 constexpr auto handshake_limit = std::chrono::seconds(10);
-constexpr auto verb_limit = std::chrono::seconds(120);
 constexpr int strikes_allowed = 3;
 constexpr int starts_allowed = 5;
 constexpr auto starts_window = std::chrono::seconds(10);
@@ -39,8 +38,9 @@ std::optional<std::uint64_t> parse_count(std::string_view text) {
 
 }  // namespace
 
-Manipulator::Manipulator(Manager& manager, std::string program_name, std::vector<std::string> argv, std::string serving)
-    : manager_(manager), argv_(std::move(argv)), serving_(std::move(serving)) {
+Manipulator::Manipulator(Manager& manager, std::string program_name, std::string program, std::vector<std::string> argv,
+                         std::string serving)
+    : manager_(manager), program_(std::move(program)), argv_(std::move(argv)), serving_(std::move(serving)) {
   name = std::move(program_name);
   gate = this;
 }
@@ -131,7 +131,7 @@ void Manipulator::died(const std::string& how) {
   ++strikes_;
   while (!starts_.empty() && Wall::now() - starts_.front() > starts_window) starts_.pop_front();
   if (strikes_ >= strikes_allowed || static_cast<int>(starts_.size()) > starts_allowed || !log_whole_) {
-    give_up({ErrorKind::gone,
+    give_up({how == "timeout" ? ErrorKind::timeout : ErrorKind::gone,
              name + " ended with " + how + " at tick " + std::to_string(last_tick_) + ", " + std::to_string(strikes_) +
                  (strikes_ == 1 ? " time" : " times in a row"),
              0});
@@ -805,7 +805,7 @@ std::uint64_t Manipulator::ask(std::string_view line) {
   const std::uint64_t number = next_request_++;
   requests_.emplace_back(number, std::nullopt);
   say("@" + std::to_string(number) + " " + std::string(line) + "\n");
-  deadline_ = Wall::now() + verb_limit;
+  deadline_ = Wall::now() + timeout_;
   flush();
   return number;
 }

@@ -22,7 +22,8 @@ class Manipulator : public Source, public objdb::Gate {
   /// What happens to the world when the program cannot be kept alive.
   enum class Policy { stop, hold, skip };
 
-  Manipulator(Manager& manager, std::string program_name, std::vector<std::string> argv, std::string serving);
+  Manipulator(Manager& manager, std::string program_name, std::string program, std::vector<std::string> argv,
+              std::string serving);
   ~Manipulator() override;
 
   /// Starts the process and says hello. Errors: unknown, io, limit.
@@ -93,7 +94,8 @@ class Manipulator : public Source, public objdb::Gate {
   int stage = 0;
   double last_ms() const { return last_ms_; }
   std::size_t queued() const;
-  const std::string& program() const { return argv_.front(); }
+  /// What was started, under whatever name.
+  const std::string& program() const { return program_; }
 
  private:
   struct Interest {                   // per type: which of its fields are told
@@ -129,6 +131,7 @@ class Manipulator : public Source, public objdb::Gate {
   void pass_errors_on();
 
   Manager& manager_;
+  std::string program_;
   std::vector<std::string> argv_;
   std::string serving_;
   State state_ = State::starting;

@@ -1,5 +1,7 @@
 #include "dialog_manager/session.h"
 
+#include <algorithm>
+
 #include "dialog_manager/manager.h"
 
 namespace manager {
@@ -8,6 +10,15 @@ namespace {
 using objdb::Error;
 using objdb::ErrorKind;
 using objdb::Status;
+
+constexpr std::size_t unread_limit = 1 << 20;
+
+// "@tag" at the beginning of a line that cannot be split any further
+std::string tag_of(std::string_view line) {
+  line.remove_prefix(std::min(line.find_first_not_of(" \t"), line.size()));
+  if (line.empty() || line[0] != '@') return {};
+  return std::string(line.substr(1, line.find_first_of(" \t\r") - 1));
+}
 
 // an odd number of backslashes at the end continues the line
 bool continues(std::string_view line) {
@@ -45,6 +56,11 @@ bool Session::step(Manager& manager, int budget) {
       continue;
     }
     if (manager.busy_for(*this)) return did;
+    // who does not read his answers is not listened to
+    if (out_.pending() > unread_limit) {
+      out_.flush();
+      if (out_.pending() > unread_limit) return did;
+    }
     const Got got = next_line(manager, line_);
     if (got == Got::end && stack_.empty()) return did;
     if (got == Got::none) return did;
@@ -121,11 +137,10 @@ Session::Got Session::next_live(Manager& manager, Input& input, std::string_view
         ++input.line;
         where_ = input.name + ":" + std::to_string(input.line);
         line_.joints.clear();
-        tag_.clear();
-        finish_reply(
-            manager,
-            Error{ErrorKind::limit,
-                  "the line is longer than " + std::to_string(manager.longest_line()) + " bytes and was skipped", 1});
+        tag_ = tag_of(text);
+        finish_reply(manager,
+                     Error{ErrorKind::limit,
+                           "the line is longer than " + std::to_string(longest_line_) + " bytes and was skipped", 1});
         if (stack_.empty()) return Got::end;
         break;
       case Next::half:
@@ -149,17 +164,7 @@ void Session::close_input(Manager& manager) {
   Input closed = std::move(stack_.back());
   stack_.pop_back();
   if (closed.live) manager.stream_ended(*this);
-  if (closed.answers) {
-    // the text of a `source` command has been read: now that command has ended
-    tag_ = closed.tag;
-    body_.clear();
-    line_.joints.clear();
-    if (source_failed_)
-      finish_reply(manager, Error{ErrorKind::io, closed.name + " had errors", 1});
-    else
-      finish_reply(manager, {});
-    source_failed_ = false;
-  }
+  if (closed.answers) answer_source(closed);
 }
 
 void Session::run_line(Manager& manager, const Line& line, std::string where, objdb::Scope scope) {
@@ -168,17 +173,16 @@ void Session::run_line(Manager& manager, const Line& line, std::string where, ob
   where_ = std::move(where);
   const std::size_t depth = stack_.size();
   if (Status split = words_.split(line.text); !split) {
-    tag_ = words_.tag();
+    tag_ = tag_of(line.text);
     finish_reply(manager, split);
     return;
   }
   if (words_.empty()) return;
   tag_ = words_.tag();
-  if (line.text.size() + 1 > manager.longest_line()) {
-    finish_reply(
-        manager,
-        Error{ErrorKind::limit,
-              "the line is longer than " + std::to_string(manager.longest_line()) + " bytes and was skipped", 1});
+  if (line.text.size() + 1 > longest_line_) {
+    finish_reply(manager,
+                 Error{ErrorKind::limit,
+                       "the line is longer than " + std::to_string(longest_line_) + " bytes and was skipped", 1});
     return;
   }
   Outcome outcome = manager.execute(*this, this, words_, line.text, scope, body_);
@@ -188,8 +192,8 @@ void Session::run_line(Manager& manager, const Line& line, std::string where, ob
   }
   // `source` of a framed conversation is answered when its text has been read
   if (stack_.size() > depth && style_ == Style::framed) {
-    stack_.back().tag = tag_;
-    stack_.back().answers = true;
+    stack_.back().answers = !in_source_command();
+    if (stack_.back().answers) stack_.back().tag = tag_;
     return;
   }
   finish_reply(manager, outcome.status);
@@ -237,7 +241,16 @@ void Session::report(const Error& error) {
       number = line;
       column = std::max(error.column, 1) - static_cast<int>(offset);
     }
+  std::string where = where_;
+  if (where.empty()) where = (stack_.empty() ? name : stack_.back().name) + ":" + std::to_string(number);
+  where_.clear();
   if (style_ == Style::framed) {
+    // an error within the text of a `source` command is that command's
+    if (in_source_command()) {
+      if (!source_error_)
+        source_error_ = Error{error.kind, where + ":" + std::to_string(column) + ": " + error.sentence, 1};
+      return;
+    }
     std::string& out = out_.buffer();
     if (!tag_.empty()) out.append("@").append(tag_).append(" ");
     out.append("error ").append(name_of(error.kind)).append(" ").append(std::to_string(std::max(error.column, 1)));
@@ -246,8 +259,6 @@ void Session::report(const Error& error) {
   }
   // what was answered before stands before the error, also where both go to one terminal
   out_.flush();
-  std::string where = where_;
-  if (where.empty()) where = (stack_.empty() ? name : stack_.back().name) + ":" + std::to_string(number);
   errors_.write(where + ":" + std::to_string(column) + ": error " + std::string(name_of(error.kind)) + " " +
                 error.sentence + "\n");
   where_.clear();
@@ -255,18 +266,34 @@ void Session::report(const Error& error) {
 
 void Session::fail(Manager& manager) {
   failed_ = true;
-  if (keep_going_) {
-    source_failed_ = true;
+  // within the text of a `source` command the command itself has failed, and ends with the text or, at the first error,
+  // at once
+  if (!keep_going_)
+    while (in_source_command()) {
+      const Input ended = std::move(stack_.back());
+      stack_.pop_back();
+      if (ended.answers) answer_source(ended);
+    }
+  manager.session_failed(*this);
+}
+
+bool Session::in_source_command() const {
+  return std::any_of(stack_.begin(), stack_.end(), [](const Input& input) { return input.answers; });
+}
+
+void Session::answer_source(const Input& input) {
+  tag_ = input.tag;
+  body_.clear();
+  line_.joints.clear();
+  if (!source_error_) {
+    if (!tag_.empty()) out_.buffer().append("@").append(tag_).append(" ok\n");
     return;
   }
-  // the text of a `source` command ends here, and so does the command
-  while (!stack_.empty() && stack_.back().answers) {
-    const Input ended = std::move(stack_.back());
-    stack_.pop_back();
-    if (!ended.tag.empty())
-      out_.buffer().append("@").append(ended.tag).append(" error io 1 ").append(ended.name).append(" had an error\n");
-  }
-  manager.session_failed(*this);
+  const Error error = std::move(*source_error_);
+  source_error_.reset();
+  std::string& out = out_.buffer();
+  if (!tag_.empty()) out.append("@").append(tag_).append(" ");
+  out.append("error ").append(name_of(error.kind)).append(" 1 ").append(error.sentence).append("\n");
 }
 
 void Session::leave_texts() {

@@ -33,6 +33,8 @@ class Session : public Source {
   enum class Style { people, framed };
 
   Session(std::string session_name, Style style, channel::Writer& out, channel::Writer& errors);
+  /// Lines are at most this long, with their newline: 64 KiB, or PIPE_BUF on a FIFO, where longer ones may be torn.
+  void limit_lines(std::size_t longest) { longest_line_ = longest; }
 
   /// Reads this after everything that stands in the queue.
   void enqueue(Input input) { queue_.push_back(std::move(input)); }
@@ -84,6 +86,8 @@ class Session : public Source {
   void finish_reply(Manager& manager, const objdb::Status& status);
   void report(const objdb::Error& error);
   void fail(Manager& manager);
+  void answer_source(const Input& input);
+  bool in_source_command() const;
 
   Style style_;
   channel::Writer& out_;
@@ -91,9 +95,10 @@ class Session : public Source {
   std::deque<Input> queue_;
   std::vector<Input> stack_;
   std::unique_ptr<Operation> operation_;
+  std::size_t longest_line_ = 65536;
   bool failed_ = false;
   bool keep_going_ = false;
-  bool source_failed_ = false;  // the text of a `source` command had an error
+  std::optional<objdb::Error> source_error_;  // the first one in the text of a framed `source` command
 
   // the command that is under way or was last
   objdb::LineWords words_;

@@ -44,6 +44,7 @@ LineBuffer::Next LineBuffer::next(std::string_view& line) {
     if (skipping_) {
       begin_ = end_;
     } else if (end_ - begin_ >= longest_) {
+      line = std::string_view(bytes_).substr(begin_, end_ - begin_);
       begin_ = end_;
       skipping_ = true;
       return Next::too_long;

@@ -23,7 +23,7 @@ class LineBuffer {
   enum class Next {
     line,      ///< a whole line, without its newline
     none,      ///< no whole line yet
-    too_long,  ///< a line beyond the limit stood here
+    too_long,  ///< a line beyond the limit stood here; its beginning is given
     half,      ///< the end came in mid-line; given once
     end,       ///< the end
   };

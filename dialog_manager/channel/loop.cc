@@ -169,15 +169,17 @@ void Writer::send() {
       written_ += static_cast<std::size_t>(count);
     } else if (errno == EAGAIN) {
       waiting_ = true;
-      impl_->watched.async_wait(Watched::wait_write,
-                                [this, impl = std::weak_ptr(impl_)](const boost::system::error_code& error) {
-                                  if (!impl.lock() || error == asio::error::operation_aborted) return;
-                                  waiting_ = false;
-                                  send();
-                                });
+      // an epoll instance never becomes writable: it becomes readable when what it watches is ready
+      const auto readiness = impl_->kind == Descriptor::own ? Watched::wait_write : Watched::wait_read;
+      impl_->watched.async_wait(readiness, [this, impl = std::weak_ptr(impl_)](const boost::system::error_code& error) {
+        if (!impl.lock() || error == asio::error::operation_aborted) return;
+        waiting_ = false;
+        send();
+      });
       return;
     } else if (errno != EINTR) {
       broken_ = true;
+      failure_ = errno;
     }
   }
   buffer_.clear();
@@ -197,6 +199,7 @@ void Writer::drain(std::chrono::milliseconds limit) {
       ::poll(&ready, 1, 10);
     } else if (errno != EINTR) {
       broken_ = true;
+      failure_ = errno;
     }
   }
   if (pending() == 0) {

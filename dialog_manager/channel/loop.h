@@ -81,6 +81,8 @@ class Writer {
   std::size_t pending() const { return buffer_.size() - written_; }
   /// The reader is gone (EPIPE) or the descriptor failed; what is written from now on is dropped.
   bool broken() const { return broken_; }
+  /// The errno of what broke it, 0 when it is whole.
+  int failure() const { return failure_; }
 
  private:
   struct Impl;
@@ -89,6 +91,7 @@ class Writer {
   std::string buffer_;
   std::size_t written_ = 0;
   bool broken_ = false;
+  int failure_ = 0;
   bool waiting_ = false;
   std::shared_ptr<Impl> impl_;
 };

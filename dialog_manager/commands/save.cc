@@ -6,19 +6,23 @@
 
 #include <cerrno>
 #include <cstring>
+#include <filesystem>
 namespace manager {
 namespace {
 
 using namespace objdb;
 
-// the file is whole or not there: written beside, then moved into place
-Status write_file(const std::string& path, std::string_view text) {
-  const std::string beside = path + ".part";
-  const int file = ::open(beside.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+// a file is whole or not there: written beside, then moved into place; a pipe or a device is written as it is
+Status write_file(std::string path, std::string_view text) {
+  std::error_code ignored;
+  if (std::filesystem::is_symlink(path, ignored)) path = std::filesystem::weakly_canonical(path, ignored).string();
+  const bool in_place = std::filesystem::exists(path, ignored) && !std::filesystem::is_regular_file(path, ignored);
+  const std::string beside = in_place ? path : path + ".part";
+  const int file = ::open(beside.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC | O_NONBLOCK, 0666);
   const auto failed = [&] {
     const int code = errno;
     if (file >= 0) ::close(file);
-    ::unlink(beside.c_str());
+    if (!in_place) ::unlink(beside.c_str());
     return Error{ErrorKind::io, path + " cannot be written: " + std::strerror(code), 0};
   };
   if (file < 0) return failed();
@@ -28,7 +32,11 @@ Status write_file(const std::string& path, std::string_view text) {
     if (count < 0) return failed();
     text.remove_prefix(static_cast<std::size_t>(count));
   }
-  if (::fsync(file) != 0 && errno != EINVAL) return failed();
+  if (in_place) {
+    ::close(file);
+    return {};
+  }
+  if (::fsync(file) != 0) return failed();
   if (::rename(beside.c_str(), path.c_str()) != 0) return failed();
   ::close(file);
   return {};

@@ -24,7 +24,7 @@ Result<std::string> find_file(const Call& call) {
   }
   std::error_code ignored;
   for (const auto& place : places)
-    if (std::filesystem::is_regular_file(place, ignored) || std::filesystem::is_fifo(place, ignored))
+    if (std::filesystem::exists(place, ignored) && !std::filesystem::is_directory(place, ignored))
       return place.string();
   if (std::filesystem::is_directory(wanted, ignored))
     return call.error(0, ErrorKind::io, quote(wanted.string()) + " is a folder, expected a script");

@@ -1,6 +1,4 @@
 #include <algorithm>
-#include <cstring>
-#include <memory>
 
 #include "manipulators/face_fem/blas.h"
 #include "manipulators/face_fem/numeric.h"
@@ -35,11 +33,11 @@ class Stacks {
       height[1 - mine] -= children[s];
       if (symbolic.parent[s] >= 0) children[symbolic.parent[s]] += size;
     }
-    for (int k = 0; k < 2; ++k) memory_[k].reset(new double[greatest[k] + 1]);
+    for (int k = 0; k < 2; ++k) memory_[k].resize(greatest[k] + 1);
   }
 
   double* push(int s, std::size_t size) {
-    double* place = memory_[depth_[s]].get() + height_[depth_[s]];
+    double* place = memory_[depth_[s]].data() + height_[depth_[s]];
     height_[depth_[s]] += size;
     return place;
   }
@@ -47,7 +45,7 @@ class Stacks {
 
  private:
   std::vector<int> depth_;
-  std::unique_ptr<double[]> memory_[2];
+  HugeArray<double> memory_[2];
   std::size_t height_[2] = {0, 0};
 };
 
@@ -82,7 +80,7 @@ class Fronts {
   }
 
   Result<Panels<double>> run() {
-    Panels<double> L(symbolic_.panel_start.back(), 0.0);
+    Panels<double> L(symbolic_.panel_start.back());
     for (int s = 0; s < symbolic_.supernodes(); ++s) {
       const int pivot = eliminate(s, L.data() + symbolic_.panel_start[s]);
       if (pivot >= 0) return bad_pivot(symbolic_, pivot);
@@ -95,6 +93,8 @@ class Fronts {
     const int rows = 3 * symbolic_.rows(s), columns = 3 * symbolic_.columns(s), below = rows - columns;
     const int* list = symbolic_.rows_of(s);
     for (int k = 0; k < symbolic_.rows(s); ++k) local_[list[k]] = k;
+    // zeroed here and not all at once, so that the panel is in cache when it is filled
+    std::fill(panel, panel + std::size_t(rows) * columns, 0.0);
     gather_matrix(s, panel, rows);
     for (int child : children_[s]) gather_children(child, s, panel, rows, nullptr);
 

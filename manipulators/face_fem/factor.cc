@@ -126,6 +126,30 @@ void Factor::solve_all(Eigen::Ref<Eigen::MatrixXd> columns) const {
   for (int c = 0; c < columns.cols(); ++c) put_back(s, x.col(c).data(), columns.col(c).data());
 }
 
+Status Factor::update(const std::vector<int>& nodes, const Eigen::MatrixXd& W, int sign) {
+  const Symbolic& s = content_->symbolic;
+  std::vector<int> places;
+  std::vector<int> rows;
+  for (int k = 0; k < int(nodes.size()); ++k)
+    if (s.place[nodes[k]] >= 0) {
+      places.push_back(s.place[nodes[k]]);
+      rows.push_back(k);
+    }
+  content_->single.clear();
+  if (places.empty()) return success();
+  Eigen::MatrixXd kept(3 * Eigen::Index(rows.size()), W.cols());
+  for (std::size_t k = 0; k < rows.size(); ++k)
+    for (int i = 0; i < 3; ++i) {
+      const Eigen::Index row = 3 * Eigen::Index(k) + i;
+      kept.row(row) = W.row(3 * rows[k] + i);
+      // a held axis keeps its own diagonal entry
+      if (content_->held[nodes[rows[k]]][i]) kept.row(row).setZero();
+    }
+  const int bad = update_panels(s, content_->L, places, kept, sign);
+  if (bad >= 0) return bad_pivot(s, bad);
+  return success();
+}
+
 double Factor::rcond() const {
   const std::vector<double> d = diagonal(content_->symbolic, content_->L);
   if (d.empty()) return 1;

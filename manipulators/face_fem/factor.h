@@ -59,9 +59,9 @@ class Factor {
   const FactorCost& cost() const;
   const Symbolic& symbolic() const;
 
-  /// Changes K by factor times the stiffness of one element, in place: K + sum of w w^T over the columns of `W`
-  /// (3 by #touched nodes by rank, see element_update). `sign` is +1 or -1. Error `indefinite` leaves the factor
-  /// unusable.
+  /// Follows a change of K by sign times W W^T, in place and without a new elimination: `W` has three rows for each of
+  /// `nodes`, which must be the nodes of one element; `sign` is +1 or -1. Cost: the columns from the first of them to
+  /// the root, times the columns of W. Error `indefinite` leaves the factor unusable until refactor().
   Status update(const std::vector<int>& nodes, const Eigen::MatrixXd& W, int sign);
 
  private:

@@ -33,4 +33,10 @@ void backward(const Symbolic& symbolic, const Panels<float>& L, float* x);
 /// Both, for `count` right-hand sides; x is column-major 3 #free by count.
 void solve_many(const Symbolic& symbolic, const Panels<double>& L, double* x, int count);
 
+/// L L^T + sign W W^T, in place: three rows of W belong to each of `places`, which are rows of one column of L (a
+/// clique of the graph). Rotations (sign +1) or mixed hyperbolic rotations (-1), one row of L^T after the other, from
+/// the first of the places up to the root. Returns the row whose pivot is not positive, or -1.
+int update_panels(const Symbolic& symbolic, Panels<double>& L, const std::vector<int>& places, const Eigen::MatrixXd& W,
+                  int sign);
+
 }  // namespace face

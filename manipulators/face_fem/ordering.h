@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "manipulators/face_fem/huge_pages.h"
 #include "manipulators/face_fem/stiffness.h"
 
 namespace face {
@@ -42,6 +43,6 @@ Result<Symbolic> analyse(const Stiffness& K, const std::vector<bool>& free, Orde
 /// The numbers of L: panel s is a column-major 3 rows(s) by 3 columns(s) array; what stands above its diagonal is
 /// not part of L and never read.
 template <class Real>
-using Panels = std::vector<Real>;
+using Panels = HugeArray<Real>;
 
 }  // namespace face

@@ -12,7 +12,6 @@ struct SolveRequest {
   std::string model;               ///< an .inp file (inp_file.h)
   std::optional<Element> element;  ///< instead of the one that the file's type stands for
   bool stress = false;
-  bool single = false;     ///< solve with the single-precision copy of the factor
   bool nonlinear = false;  ///< neo-Hookean instead of linear
   std::string out;         ///< CSV; empty: standard output
   std::string vtu;         ///< for ParaView; empty: none

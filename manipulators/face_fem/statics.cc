@@ -1,6 +1,7 @@
 #include "manipulators/face_fem/statics.h"
 
 #include <Eigen/Dense>
+#include <algorithm>
 #include <cmath>
 
 #include "manipulators/face_fem/check.h"
@@ -84,6 +85,46 @@ Solution Statics::solve(const Field& load, const Field& shift) const {
     }
   solution.residual = size > 0 ? std::sqrt(miss / size) : std::sqrt(miss);
   return solution;
+}
+
+Status Statics::stiffen(int hexahedron, double ratio) {
+  if (hexahedron < 0 || hexahedron >= int(model_.hexahedra.size()))
+    return Error{Fault::unknown, "there is no element with index " + std::to_string(hexahedron)};
+  if (!std::isfinite(ratio) || ratio <= 0)
+    return Error{Fault::material, "element " + std::to_string(model_.label_of_hexahedron(hexahedron)) +
+                                      ": its stiffness can change by a positive ratio only, not by " +
+                                      std::to_string(ratio)};
+  if (ratio_.empty()) ratio_.assign(model_.hexahedra.size(), 1.0);
+  const double change = ratio_[hexahedron] * (ratio - 1);
+  if (change == 0) return success();
+  ratio_[hexahedron] *= ratio;
+  add_element(model_, hexahedron, change, stiffness_);
+  const Hexahedron& h = model_.hexahedra[hexahedron];
+  const int count = nodes_of(model_.element);
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(
+      stiffness_of(model_.element, corners_of(model_, hexahedron), model_.materials[h.material].lame()));
+  // rigid motions have no stiffness and need no update
+  const double largest = eigen.eigenvalues()[3 * count - 1];
+  int first = 0;
+  while (eigen.eigenvalues()[first] < 1e-12 * largest) ++first;
+  const int rank = 3 * count - first;
+  Eigen::MatrixXd W = eigen.eigenvectors().rightCols(rank);
+  for (int r = 0; r < rank; ++r) W.col(r) *= std::sqrt(std::abs(change) * eigen.eigenvalues()[first + r]);
+  // a wedge names a node twice: its rows add up
+  std::vector<int> nodes;
+  Eigen::MatrixXd rows(3 * count, rank);
+  for (int a = 0; a < count; ++a) {
+    const auto known = std::find(nodes.begin(), nodes.end(), h.node[a]);
+    const Eigen::Index at = 3 * (known - nodes.begin());
+    if (known != nodes.end()) {
+      rows.middleRows(at, 3) += W.middleRows(3 * a, 3);
+    } else {
+      rows.middleRows(at, 3) = W.middleRows(3 * a, 3);
+      nodes.push_back(h.node[a]);
+    }
+  }
+  const Status status = factor_->update(nodes, rows.topRows(3 * Eigen::Index(nodes.size())), change > 0 ? 1 : -1);
+  return status ? success() : with_label(status.error(), model_);
 }
 
 }  // namespace face

@@ -78,8 +78,10 @@ void Control::aim(const Neck& neck, const Settings& settings, const Sight& seen,
   const bool by_place = seen.kind == Sight::point && settings.part != Part::eyes;
   Vector3d eye = eyes(neck, settings, Vector3d::Zero());
   Neck::Solution solution;
-  // the eyes move with the head that they aim: a fixed point, a contraction for a target beyond arm's length and
-  // damped for a nearer one
+  // The eyes move with the head that they aim: a fixed point, contracting for a target beyond arm's length. The step is
+  // relaxed by what the last one changed (Irons and Tuck 1969), which quickens the far targets and tames the near ones.
+  Vector3d before(0, 0, 0);
+  double relaxed = 1;
   for (int i = 0; i < 20; ++i) {
     if (by_place && (seen.place - eye).norm() < nearest) {
       state.too_near = true;
@@ -90,10 +92,13 @@ void Control::aim(const Neck& neck, const Settings& settings, const Sight& seen,
     solution = neck.solve(R * settings.head_at_rest.transpose(), by_place ? roll_weight : 1);
     report->iterations += solution.iterations;
     if (!by_place) break;
-    const Vector3d there = eyes(neck, settings, solution.total);
-    const double change = (there - eye).norm();
-    eye = i < 6 ? there : Vector3d((there + eye) / 2);
-    if (change < 1e-7) break;
+    const Vector3d off = eyes(neck, settings, solution.total) - eye;
+    if (off.norm() < 1e-7) break;
+    const Vector3d change = off - before;
+    if (i > 0 && change.norm() > 0) relaxed *= -before.dot(change) / change.squaredNorm();
+    relaxed = std::clamp(relaxed, 0.1, 2.0);
+    before = off;
+    eye += relaxed * off;
   }
   state.goal = solution.total;
   state.limit = solution.limit;

@@ -28,7 +28,7 @@ struct Settings {
   Pace pace;
   double roll = 1;                                             ///< Donders: 1 Fick, 0 Listing
   double eye_latency = 0.2;                                    ///< from a new target to the eyes' start [s]
-  Eigen::Vector3d sight{0, 0.05, 0.09};                        ///< between the eyes, in the head's frame [m]
+  Eigen::Vector3d sight{0, 0.03, 0.085};                       ///< between the eyes, in the head's frame [m]
   Eigen::Matrix3d head_at_rest = Eigen::Matrix3d::Identity();  ///< the head in the neck's frame at zero angles
   Gaze wish;                                                   ///< for Part::eyes
 };

@@ -19,7 +19,7 @@ constexpr std::string_view declarations = R"neck(
   type neck extends node "turns a head towards what it looks at; the joints between root and tip are its levels"
   field neck.root ref:node "the thorax: what the neck stands on"
   field neck.tip ref:node "the head"
-  field neck.sight vec3 m = 0 0.05 0.09 "the point between the eyes, in the frame of tip"
+  field neck.sight vec3 m = 0 0.03 0.085 "the point between the eyes, in the frame of tip"
   field neck.target ref:node "what it looks at; look sets it"
   field neck.point vec3 m "where it looks without a target, in the world"
   field neck.active bool = false "false: it looks straight ahead"

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "manipulators/arm_ik/clamped.h"
+#include "manipulators/arm_ik/coupled.h"
 #include "manipulators/arm_ik/limb.h"
 
 namespace arm_ik {
@@ -36,6 +37,8 @@ Solution Engine::solve(Method method, const Goal& goal, const SolveOptions& opti
       if (human_) return solve_limb(*human_, goal, options, true, q);
       break;
     case Method::rhythm:
+      if (human_) return solve_coupled(*human_, goal, options, q);
+      break;
     case Method::automatic: break;
   }
   return automatic(goal, options, q);

@@ -83,7 +83,7 @@ verb sheet "FILE.png PICTURE.png... [columns N] [size WxH]" "pictures side by si
 verb movie "FILE.mp4|FOLDER|off [from CAMERA] [size WxH] [rate HZ] [quality WORD] [with VIEW]" "films every tick from now on; off ends"
 verb export "FILE.glb" "the scene as it stands, as glTF"
 verb animate "FILE.glb|off" "records the movement from now on as glTF animation; off writes it"
-verb window "on|off [size WxH] [with VIEW]" "the pictures on the screen"
+verb window "on|off|refresh [size WxH] [with VIEW]" "the pictures on the screen"
 verb bind "EVENT COMMAND" "what a key or the mouse says: Key-space, Shift-Key-r, Button1, Button1-drag, Wheel-up"
 verb unbind "EVENT" "takes a binding back"
 

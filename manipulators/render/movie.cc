@@ -2,7 +2,6 @@
 
 #include <fcntl.h>
 #include <poll.h>
-#include <signal.h>
 #include <spawn.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -14,32 +13,13 @@
 #include <filesystem>
 #include <vector>
 
+#include "manipulators/render/no_sigpipe.h"
+
 extern char** environ;
 
 namespace render {
 
 namespace {
-
-// a write to an encoder that has ended must return an error, not end this program
-class NoSigpipe {
- public:
-  NoSigpipe() {
-    sigemptyset(&pipe_);
-    sigaddset(&pipe_, SIGPIPE);
-    pthread_sigmask(SIG_BLOCK, &pipe_, &before_);
-  }
-  ~NoSigpipe() {
-    // take the signal that may be waiting
-    const timespec none{0, 0};
-    while (sigtimedwait(&pipe_, nullptr, &none) > 0) continue;
-    pthread_sigmask(SIG_SETMASK, &before_, nullptr);
-  }
-  NoSigpipe(const NoSigpipe&) = delete;
-  NoSigpipe& operator=(const NoSigpipe&) = delete;
-
- private:
-  sigset_t pipe_, before_;
-};
 
 std::vector<std::string> encoder_command(const std::string& path, Size size, double rate) {
   char rate_text[32];
@@ -133,7 +113,7 @@ Movie::~Movie() { finish(); }
 int Movie::due(double time) const {
   // a frame time that falls on a tick must not be missed by rounding
   const double passed = (time - start_) * rate_;
-  return passed < 0 ? 0 : static_cast<int>(std::floor(passed + 1e-6)) + 1 - frames_;
+  return passed < 0 ? 0 : static_cast<int>(std::floor(passed + 1e-6)) - frames_;
 }
 
 std::string Movie::add(const Picture& picture) {

@@ -8,8 +8,8 @@
 namespace render {
 
 /// Frames on their way into a file: .mp4, .webm or .gif through the program ffmpeg, or a folder of numbered PNGs.
-/// Frame k stands for simulated time start + k / rate, whatever the ticks are, so a film has the same frames at any
-/// speed of the machine.
+/// Frame k (0, 1 ...) shows the world at simulated time start + (k + 1) / rate, or at the first tick after it, so a
+/// film has the same frames at any speed of the machine and a run of one second makes one second of film.
 class Movie {
  public:
   /// Starts a film. The encoder runs with one thread and no time stamps of its own, so equal frames give equal files.
@@ -20,7 +20,7 @@ class Movie {
   Movie(const Movie&) = delete;
   Movie& operator=(const Movie&) = delete;
 
-  /// How many frames are due when simulated time has come to `time`: those with start + k / rate <= time.
+  /// How many frames are due when simulated time has come to `time`: those with start + (k + 1) / rate <= time.
   int due(double time) const;
   /// Adds a frame. Returns an empty string, or what went wrong (the encoder has ended, the disk is full).
   std::string add(const Picture& picture);

@@ -52,6 +52,9 @@ Service::Service(kit::Manipulator& me) : me_(me), feed_(me.world().subscribe()) 
   me_.on_verb("snapshot", [this](Words words) { return snapshot(words); });
   me_.on_verb("sheet", [this](Words words) { return sheet(words); });
   me_.on_verb("movie", [this](Words words) { return movie(words); });
+  me_.on_verb("window", [this](Words words) { return window(words); });
+  me_.on_verb("bind", [this](Words words) { return bind(words); });
+  me_.on_verb("unbind", [this](Words words) { return unbind(words); });
 }
 
 int Service::run() { return me_.run(); }
@@ -155,6 +158,9 @@ Service::Reply Service::movie(Words words) {
   }
   if (request->files[0] == "off") {
     if (!movie_) return Error{ErrorKind::unknown, "no film is being made", words[0].column};
+    // a film without time is one picture
+    if (movie_->frames() == 0) film(1);
+    if (!movie_) return io("the film could not be made");
     const std::string problem = movie_->finish();
     const std::string body =
         movie_->path() + ": " + std::to_string(movie_->frames()) + " frames, " + seconds(movie_->seconds()) + "\n";
@@ -174,19 +180,121 @@ Service::Reply Service::movie(Words words) {
   return std::string();
 }
 
+Service::Reply Service::window(Words words) {
+  auto request = parse_request(me_.world(), words, {"size", "with"});
+  if (!request) return request.error();
+  const std::string& wanted = request->files.size() == 1 ? request->files[0] : "";
+  if (wanted != "on" && wanted != "off" && wanted != "refresh") {
+    return Error{ErrorKind::syntax, "expected on, off or refresh: window on [size WxH] [with VIEW]",
+                 words.empty() ? 1 : words.back().column};
+  }
+  if (wanted == "off") {
+    window_.reset();
+    speaker_.reset();
+    if (request->view) me_.set_word(*request->view, "window", "off");
+    return std::string();
+  }
+  if (wanted == "on") {
+    window_.reset();
+    speaker_ = std::make_unique<Speaker>();
+    if (speaker_->path().empty()) return io("no FIFO can be made for the window to speak through");
+    Speaker* voice = speaker_.get();
+    // every line is followed by a look at the world, so that its effect is seen while the clock stands still
+    auto say = [voice](const std::string& line) {
+      voice->say(line);
+      voice->say("window refresh");
+    };
+    std::string problem;
+    window_ = Window::open(size_of(*request), say, problem);
+    if (!window_) return io(problem);
+    for (const auto& [event, command] : bindings_) window_->bind(event, command);
+    window_view_ = request->view ? request->view->path : "";
+    me_.say("listen " + speaker_->path());
+  }
+  if (!window_) return Error{ErrorKind::unknown, "no window is open", words[0].column};
+  show();
+  return std::string();
+}
+
+Service::Reply Service::bind(Words words) {
+  if (words.size() < 2) {
+    std::string body;
+    if (words.empty()) {
+      for (const auto& [event, command] : bindings_) body += event + " " + objdb::quote(command) + "\n";
+      return body;
+    }
+    return Error{ErrorKind::syntax, "expected an event and a command: bind Key-space pause", words.back().column};
+  }
+  const std::string event(words[0].text);
+  if (std::string problem = Bindings::event_problem(event); !problem.empty()) {
+    return Error{ErrorKind::range, problem, words[0].column};
+  }
+  std::string command(words[1].text);
+  for (const Word& word : words.subspan(2))
+    command += " " + (word.quoted ? objdb::quote(word.text) : std::string(word.text));
+  bindings_[event] = command;
+  if (window_) window_->bind(event, command);
+  return std::string();
+}
+
+Service::Reply Service::unbind(Words words) {
+  if (words.size() != 1) {
+    return Error{ErrorKind::syntax, "expected one event: unbind Key-space", words.empty() ? 1 : words.back().column};
+  }
+  const std::string event(words[0].text);
+  if (bindings_.erase(event) == 0) {
+    return Error{ErrorKind::unknown, objdb::shown(event) + " is not bound", words[0].column};
+  }
+  if (window_) window_->unbind(event);
+  return std::string();
+}
+
+void Service::show() {
+  if (!window_) return;
+  const objdb::Database& world = me_.world();
+  const Object* view = window_view_.empty() ? nullptr : world.find(window_view_);
+  if (window_->state() != Window::State::open) {
+    if (view) me_.set_word(*view, "window", window_->state() == Window::State::closed ? "closed" : "lost");
+    window_.reset();
+    me_.say("unlisten " + speaker_->path());
+    speaker_.reset();
+    return;
+  }
+  if (view) me_.set_word(*view, "window", "open");
+  Shown shown;
+  shown.scene = studio_.stage().compose(world, view, now_);
+  const Object* camera = chosen_camera(world, view);
+  shown.camera = camera ? camera_of(world, *camera) : camera_for(shown.scene, 16.0f / 9);
+  Request request;
+  request.view = view;
+  shown.quality = quality_of(request);
+  for (const Object* object : all_of(world, "shape")) {
+    if (is_a(world, *object, "skin") || is_a(world, *object, "eyeball")) continue;
+    Handle handle{object->path, Eigen::Isometry3d::Identity()};
+    if (const Object* parent = world.object(world.scene().parent_of(*object))) handle.X_WP = frame_of(world, *parent);
+    shown.handles.push_back(std::move(handle));
+  }
+  window_->show(std::move(shown));
+}
+
 void Service::tick(const kit::Tick& tick) {
   now_ = tick.time;
   studio_.stage().trails().record(me_.world(), now_);
+  show();
   if (!movie_) return;
   const int due = movie_->due(now_);
   if (due <= 0) return;
+  film(due);
+}
+
+void Service::film(int frames) {
   film_.camera = film_camera_.empty() ? nullptr : me_.world().find(film_camera_);
   film_.view = film_view_.empty() ? nullptr : me_.world().find(film_view_);
   Picture picture;
   Outcome outcome = take(film_, now_, picture);
   std::string problem = outcome.status == "failed" ? outcome.reason : "";
   // slow ticks under a fast film repeat the frame, so that the film keeps its time
-  for (int k = 0; k < due && problem.empty(); ++k) {
+  for (int k = 0; k < frames && problem.empty(); ++k) {
     problem = movie_->add(picture);
     if (movie_->frames() % 300 == 0) {
       std::fprintf(stderr, "%s: %d frames, %s\n", movie_->path().c_str(), movie_->frames(),

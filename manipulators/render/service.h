@@ -1,12 +1,15 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <string>
 
 #include "manipulators/kit/manipulator.h"
 #include "manipulators/render/movie.h"
+#include "manipulators/render/speaker.h"
 #include "manipulators/render/studio.h"
+#include "manipulators/render/window.h"
 
 namespace render {
 
@@ -23,6 +26,13 @@ class Service {
   Reply snapshot(objdb::Words words);
   Reply sheet(objdb::Words words);
   Reply movie(objdb::Words words);
+  /// Adds the world as it is to the film, so many times.
+  void film(int frames);
+  Reply window(objdb::Words words);
+  Reply bind(objdb::Words words);
+  Reply unbind(objdb::Words words);
+  /// Gives the window the world as it is, and the world the window's state.
+  void show();
 
   Outcome take(const Request& request, double time, Picture& picture);
   void tell(const Request& request, const Outcome& outcome);
@@ -34,6 +44,10 @@ class Service {
   // the film's request, with its objects by path because they may be deleted while it runs
   Request film_;
   std::string film_camera_, film_view_;
+  std::unique_ptr<Speaker> speaker_;
+  std::unique_ptr<Window> window_;
+  std::string window_view_;
+  std::map<std::string, std::string> bindings_;
   double now_ = 0;
   objdb::Database::FeedId feed_;
   std::uint64_t stamp_ = 1;

@@ -274,6 +274,8 @@ std::shared_ptr<const Geometry> Skins::skin(const objdb::Database& world, const 
   if (moved) {
     Eigen::MatrixX3f V, N;
     mesh::deform(body.skin, pose, V, N, blend);
+    // a window may still be drawing the last pose: leave it that one
+    if (body.geometry.use_count() > 1) body.geometry = std::make_shared<Geometry>(*body.geometry);
     copy_vertices(V, N, *body.geometry);
     body.pose = std::move(pose);
     body.blend = blend;

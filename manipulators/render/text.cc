@@ -8,6 +8,7 @@
 #include <cmath>
 #include <map>
 #include <memory>
+#include <mutex>
 
 namespace render {
 
@@ -82,6 +83,12 @@ Font& font() {
   return the_font;
 }
 
+// windows write labels from threads of their own
+std::mutex& font_mutex() {
+  static std::mutex mutex;
+  return mutex;
+}
+
 // decodes one letter at `at` and steps over it; a broken sequence yields U+FFFD and one byte
 char32_t next_letter(const std::string& text, std::size_t& at) {
   const auto first = static_cast<unsigned char>(text[at++]);
@@ -128,6 +135,7 @@ void for_each_letter(const std::string& text, int x, int y, int height, Draw dra
 }  // namespace
 
 bool write_text(Picture& picture, const std::string& text, int x, int y, int height, Rgba color) {
+  const std::lock_guard lock(font_mutex());
   if (!font().usable()) return false;
   const int edge = std::max(1, height / 14);
   const float strength = static_cast<float>(color[3]) / 255;
@@ -158,6 +166,7 @@ bool write_text(Picture& picture, const std::string& text, int x, int y, int hei
 }
 
 int text_width(const std::string& text, int height) {
+  const std::lock_guard lock(font_mutex());
   if (!font().usable()) return 0;
   int widest = 0;
   for_each_letter(text, 0, 0, height,

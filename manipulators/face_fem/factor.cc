@@ -119,11 +119,21 @@ Field Factor::solve_single(const Field& f) const {
 
 void Factor::solve_all(Eigen::Ref<Eigen::MatrixXd> columns) const {
   const Symbolic& s = content_->symbolic;
-  Eigen::MatrixXd x(3 * s.free_nodes(), columns.cols());
-  for (int c = 0; c < columns.cols(); ++c) put_in_order(s, content_->held, columns.col(c).data(), x.col(c).data());
-  solve_many(s, content_->L, x.data(), static_cast<int>(x.cols()));
+  const int count = static_cast<int>(columns.cols());
+  HugeArray<double> x(3 * std::size_t(s.free_nodes()) * count);
+  const auto& held = content_->held;
+  for (int k = 0; k < s.free_nodes(); ++k)
+    for (int i = 0; i < 3; ++i) {
+      double* row = x.data() + (3 * std::size_t(k) + i) * count;
+      const Eigen::Index from = 3 * Eigen::Index(s.node[k]) + i;
+      for (int c = 0; c < count; ++c) row[c] = held[s.node[k]][i] ? 0 : columns(from, c);
+    }
+  solve_many(s, content_->L, x.data(), count);
   columns.setZero();
-  for (int c = 0; c < columns.cols(); ++c) put_back(s, x.col(c).data(), columns.col(c).data());
+  for (int k = 0; k < s.free_nodes(); ++k)
+    for (int i = 0; i < 3; ++i)
+      for (int c = 0; c < count; ++c)
+        columns(3 * Eigen::Index(s.node[k]) + i, c) = x[(3 * std::size_t(k) + i) * count + c];
 }
 
 Status Factor::update(const std::vector<int>& nodes, const Eigen::MatrixXd& W, int sign) {

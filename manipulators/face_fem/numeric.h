@@ -30,7 +30,7 @@ void backward(const Symbolic& symbolic, const Panels<double>& L, double* x);
 void forward(const Symbolic& symbolic, const Panels<float>& L, float* x);
 void backward(const Symbolic& symbolic, const Panels<float>& L, float* x);
 
-/// Both, for `count` right-hand sides; x is column-major 3 #free by count.
+/// Both, for `count` right-hand sides; x holds all of them for one row of L, then for the next.
 void solve_many(const Symbolic& symbolic, const Panels<double>& L, double* x, int count);
 
 /// L L^T + sign W W^T, in place: three rows of W belong to each of `places`, which are rows of one column of L (a

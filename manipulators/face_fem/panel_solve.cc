@@ -13,25 +13,45 @@ namespace {
 
 constexpr int strip = 6;  // columns of L that are read together
 
+/// 64 bytes of numbers at any address; the same partial sums on every processor
+template <class Real>
+struct Wide;
+template <>
+struct Wide<double> {
+  typedef double type __attribute__((vector_size(64), aligned(8), may_alias));
+};
+template <>
+struct Wide<float> {
+  typedef float type __attribute__((vector_size(64), aligned(4), may_alias));
+};
+
 /// w[k] -= sum over the strip of L(k, c) x[c] for rows [0, count); columns are `leading` apart
 template <class Real>
 INLINE void subtract_strip(const Real* __restrict L, std::size_t leading, const Real* x, int count,
                            Real* __restrict w) {
+  using V = typename Wide<Real>::type;
+  constexpr int width = 64 / sizeof(Real);
   const Real *L0 = L, *L1 = L + leading, *L2 = L1 + leading, *L3 = L2 + leading, *L4 = L3 + leading, *L5 = L4 + leading;
   const Real x0 = x[0], x1 = x[1], x2 = x[2], x3 = x[3], x4 = x[4], x5 = x[5];
-  for (int k = 0; k < count; ++k)
-    w[k] -= (L0[k] * x0 + L1[k] * x1) + (L2[k] * x2 + L3[k] * x3) + (L4[k] * x4 + L5[k] * x5);
+  const auto load = [](const Real* from) -> const V& { return *reinterpret_cast<const V*>(from); };
+  int k = 0;
+  for (; k + width <= count; k += width)
+    *reinterpret_cast<V*>(w + k) -= (load(L0 + k) * x0 + load(L1 + k) * x1) + (load(L2 + k) * x2 + load(L3 + k) * x3) +
+                                    (load(L4 + k) * x4 + load(L5 + k) * x5);
+  for (; k < count; ++k) w[k] -= (L0[k] * x0 + L1[k] * x1) + (L2[k] * x2 + L3[k] * x3) + (L4[k] * x4 + L5[k] * x5);
 }
 
 /// sums[c] = sum over rows of L(k, c) w[k], in a fixed number of partial sums
 template <class Real>
 INLINE void dot_strip(const Real* __restrict L, std::size_t leading, int count, const Real* __restrict w, Real* sums) {
+  using V = typename Wide<Real>::type;
   constexpr int width = 64 / sizeof(Real);
-  Real partial[strip][width] = {};
+  V partial[strip] = {};
   int k = 0;
-  for (; k + width <= count; k += width)
-    for (int c = 0; c < strip; ++c)
-      for (int l = 0; l < width; ++l) partial[c][l] += L[c * leading + k + l] * w[k + l];
+  for (; k + width <= count; k += width) {
+    const V here = *reinterpret_cast<const V*>(w + k);
+    for (int c = 0; c < strip; ++c) partial[c] += *reinterpret_cast<const V*>(L + c * leading + k) * here;
+  }
   for (int c = 0; c < strip; ++c) {
     Real sum = 0;
     for (int l = 0; l < width; ++l) sum += partial[c][l];
@@ -145,37 +165,35 @@ void backward(const Symbolic& symbolic, const Panels<float>& L, float* x) {
 }
 
 void solve_many(const Symbolic& s, const Panels<double>& L, double* x, int count) {
-  const std::size_t length = 3 * std::size_t(s.free_nodes());
-  std::vector<double> work(widest(s) * count);
+  // X^T is what BLAS sees: `count` rows, one column a degree of freedom
+  HugeArray<double> work(widest(s) * count);
   const double one = 1, minus = -1, none = 0;
+  const std::size_t block = 3 * std::size_t(count);
   for (int k = 0; k < s.supernodes(); ++k) {
     const int rows = 3 * s.rows(k), own = 3 * s.columns(k), below = rows - own;
     const double* panel = L.data() + s.panel_start[k];
-    double* mine = x + 3 * std::size_t(s.first[k]);
-    const int leading = static_cast<int>(length);
-    dtrsm_("L", "L", "N", "N", &own, &count, &one, panel, &rows, mine, &leading);
+    double* mine = x + block * s.first[k];
+    dtrsm_("R", "L", "T", "N", &count, &own, &one, panel, &rows, mine, &count);
     if (below == 0) continue;
-    dgemm_("N", "N", &below, &count, &own, &minus, panel + own, &rows, mine, &leading, &none, work.data(), &below);
+    dgemm_("N", "T", &count, &below, &own, &minus, mine, &count, panel + own, &rows, &none, work.data(), &count);
     const int* list = s.rows_of(k) + s.columns(k);
-    for (int c = 0; c < count; ++c)
-      for (int b = 0; b < below / 3; ++b)
-        for (int i = 0; i < 3; ++i)
-          x[length * c + 3 * std::size_t(list[b]) + i] += work[std::size_t(below) * c + 3 * b + i];
+    for (int b = 0; b < below / 3; ++b) {
+      double* to = x + block * list[b];
+      const double* from = work.data() + block * b;
+      for (std::size_t i = 0; i < block; ++i) to[i] += from[i];
+    }
   }
   for (int k = s.supernodes() - 1; k >= 0; --k) {
     const int rows = 3 * s.rows(k), own = 3 * s.columns(k), below = rows - own;
     const double* panel = L.data() + s.panel_start[k];
-    double* mine = x + 3 * std::size_t(s.first[k]);
-    const int leading = static_cast<int>(length);
+    double* mine = x + block * s.first[k];
     if (below > 0) {
       const int* list = s.rows_of(k) + s.columns(k);
-      for (int c = 0; c < count; ++c)
-        for (int b = 0; b < below / 3; ++b)
-          for (int i = 0; i < 3; ++i)
-            work[std::size_t(below) * c + 3 * b + i] = x[length * c + 3 * std::size_t(list[b]) + i];
-      dgemm_("T", "N", &own, &count, &below, &minus, panel + own, &rows, work.data(), &below, &one, mine, &leading);
+      for (int b = 0; b < below / 3; ++b)
+        std::copy(x + block * list[b], x + block * (list[b] + 1), work.data() + block * b);
+      dgemm_("N", "N", &count, &own, &below, &minus, work.data(), &count, panel + own, &rows, &one, mine, &count);
     }
-    dtrsm_("L", "L", "T", "N", &own, &count, &one, panel, &rows, mine, &leading);
+    dtrsm_("R", "L", "N", "N", &count, &own, &one, panel, &rows, mine, &count);
   }
 }
 

@@ -23,45 +23,71 @@ struct Rows {
   double& at(int row, int column) { return values[(std::size_t(row / width) * rank + column) * width + row % width]; }
 };
 
-/// turns one group of rows of L's column and of W by all the rotations of that column
+/// `width` numbers at any address
+typedef double Group __attribute__((vector_size(8 * width), aligned(8), may_alias));
+
+/// turns rows of L's column and of W by all the rotations of that column, two groups side by side because each
+/// rotation waits for the one before
 WIDEST void turn_rows(double* __restrict column, double* __restrict w, int groups, int rank, const double* cosine,
                       const double* sine) {
-  for (int g = 0; g < groups; ++g, column += width, w += std::size_t(rank) * width) {
-    double l[width];
-    for (int k = 0; k < width; ++k) l[k] = column[k];
+  const std::size_t stride = std::size_t(rank) * width;
+  int g = 0;
+  for (; g + 2 <= groups; g += 2, column += 2 * width, w += 2 * stride) {
+    Group l = *reinterpret_cast<Group*>(column), m = *reinterpret_cast<Group*>(column + width);
     for (int r = 0; r < rank; ++r) {
-      double* mine = w + std::size_t(r) * width;
-      for (int k = 0; k < width; ++k) {
-        const double turned = cosine[r] * l[k] + sine[r] * mine[k];
-        mine[k] = cosine[r] * mine[k] - sine[r] * l[k];
-        l[k] = turned;
-      }
+      Group& first = *reinterpret_cast<Group*>(w + r * width);
+      Group& second = *reinterpret_cast<Group*>(w + stride + r * width);
+      const Group turned = cosine[r] * l + sine[r] * first, other = cosine[r] * m + sine[r] * second;
+      first = cosine[r] * first - sine[r] * l;
+      second = cosine[r] * second - sine[r] * m;
+      l = turned;
+      m = other;
     }
-    for (int k = 0; k < width; ++k) column[k] = l[k];
+    *reinterpret_cast<Group*>(column) = l;
+    *reinterpret_cast<Group*>(column + width) = m;
   }
+  if (g == groups) return;
+  Group l = *reinterpret_cast<Group*>(column);
+  for (int r = 0; r < rank; ++r) {
+    Group& first = *reinterpret_cast<Group*>(w + r * width);
+    const Group turned = cosine[r] * l + sine[r] * first;
+    first = cosine[r] * first - sine[r] * l;
+    l = turned;
+  }
+  *reinterpret_cast<Group*>(column) = l;
 }
 
 /// the same by hyperbolic rotations in mixed form: the new L is used for the new W, which keeps the error small
 WIDEST void turn_rows_away(double* __restrict column, double* __restrict w, int groups, int rank, const double* scale,
-                           const double* sine) {
-  for (int g = 0; g < groups; ++g, column += width, w += std::size_t(rank) * width) {
-    double l[width];
-    for (int k = 0; k < width; ++k) l[k] = column[k];
+                           const double* inverse, const double* sine) {
+  const std::size_t stride = std::size_t(rank) * width;
+  int g = 0;
+  for (; g + 2 <= groups; g += 2, column += 2 * width, w += 2 * stride) {
+    Group l = *reinterpret_cast<Group*>(column), m = *reinterpret_cast<Group*>(column + width);
     for (int r = 0; r < rank; ++r) {
-      double* mine = w + std::size_t(r) * width;
-      const double inverse = 1 / scale[r];
-      for (int k = 0; k < width; ++k) {
-        l[k] = (l[k] - sine[r] * mine[k]) * inverse;
-        mine[k] = scale[r] * mine[k] - sine[r] * l[k];
-      }
+      Group& first = *reinterpret_cast<Group*>(w + r * width);
+      Group& second = *reinterpret_cast<Group*>(w + stride + r * width);
+      l = (l - sine[r] * first) * inverse[r];
+      m = (m - sine[r] * second) * inverse[r];
+      first = scale[r] * first - sine[r] * l;
+      second = scale[r] * second - sine[r] * m;
     }
-    for (int k = 0; k < width; ++k) column[k] = l[k];
+    *reinterpret_cast<Group*>(column) = l;
+    *reinterpret_cast<Group*>(column + width) = m;
   }
+  if (g == groups) return;
+  Group l = *reinterpret_cast<Group*>(column);
+  for (int r = 0; r < rank; ++r) {
+    Group& first = *reinterpret_cast<Group*>(w + r * width);
+    l = (l - sine[r] * first) * inverse[r];
+    first = scale[r] * first - sine[r] * l;
+  }
+  *reinterpret_cast<Group*>(column) = l;
 }
 
 /// one panel; `buffer` holds a column padded to whole groups
 int update_panel(double* panel, int rows, int columns, int sign, Rows& W, std::vector<double>& buffer) {
-  std::vector<double> first(W.rank), second(W.rank);
+  std::vector<double> first(W.rank), second(W.rank), inverse(W.rank);
   for (int c = 0; c < columns; ++c) {
     double* column = panel + std::size_t(c) * rows;
     double pivot = column[c];
@@ -71,6 +97,7 @@ int update_panel(double* panel, int rows, int columns, int sign, Rows& W, std::v
       const double next = std::sqrt(square);
       first[r] = sign > 0 ? pivot / next : next / pivot;
       second[r] = sign > 0 ? w / next : w / pivot;
+      inverse[r] = pivot / next;
       pivot = next;
     }
     // whole groups from the one that holds the diagonal; rows above it are put back afterwards
@@ -82,7 +109,7 @@ int update_panel(double* panel, int rows, int columns, int sign, Rows& W, std::v
     if (sign > 0)
       turn_rows(buffer.data(), w, groups, W.rank, first.data(), second.data());
     else
-      turn_rows_away(buffer.data(), w, groups, W.rank, first.data(), second.data());
+      turn_rows_away(buffer.data(), w, groups, W.rank, first.data(), inverse.data(), second.data());
     std::copy(buffer.begin() + (c - start), buffer.begin() + (rows - start), column + c);
     column[c] = pivot;
   }

@@ -28,13 +28,18 @@ class Sphere {
   void integrate(const Corners& X) {
     X_ = X;
     std::fill(sums_.begin(), sums_.end(), 0.0);
-    if (options_.quadrature == Quadrature::gauss27) return gauss27();
-    // how far the map is from affine anywhere in the element; a cell of half-size s deviates by s^2 of it
-    const Point middle = at(Eigen::Vector3d::Zero());
-    bend_ = 0;
-    for (int a = 0; a < nodes_; ++a)
-      bend_ = std::max(bend_, (X.col(a) - middle.x - middle.J.transpose() * reference_nodes()[a]).norm());
-    divide(Eigen::Vector3d::Zero(), 1, 0);
+    if (nodes_ == 8) expand();
+    if (options_.quadrature == Quadrature::gauss27) {
+      gauss27();
+    } else {
+      // how far the map is from affine anywhere in the element; a cell of half-size s deviates by s^2 of it
+      const Point middle = at(Eigen::Vector3d::Zero());
+      bend_ = 0;
+      for (int a = 0; a < nodes_; ++a)
+        bend_ = std::max(bend_, (X.col(a) - middle.x - middle.J.transpose() * reference_nodes()[a]).norm());
+      divide({Eigen::Vector3d::Zero(), Eigen::Vector3d::Ones()}, 0);
+    }
+    if (nodes_ == 8) collect();
   }
 
   double sum(int a) const { return sums_[a]; }
@@ -42,21 +47,55 @@ class Sphere {
 
  private:
   struct Point {
-    Eigen::Vector3d x;
+    Eigen::Vector3d xi, x;
     Eigen::Matrix3d J;  // J(i, j) = dx_j / dxi_i
-    std::array<double, 20> N;
   };
+  /// a box of the reference cube: middle and half edges
+  struct Cell {
+    Eigen::Vector3d middle, half;
+    double volume() const { return 8 * half.prod(); }
+  };
+
+  /// the trilinear map as a polynomial in 1 x y z xy yz zx xyz, and sums of weights times those eight
+  static std::array<double, 8> monomials(const Eigen::Vector3d& p) {
+    return {1, p.x(), p.y(), p.z(), p.x() * p.y(), p.y() * p.z(), p.z() * p.x(), p.x() * p.y() * p.z()};
+  }
+  void expand() {
+    term_.setZero();
+    for (int a = 0; a < 8; ++a) {
+      const auto sign = monomials(reference_nodes()[a]);
+      for (int m = 0; m < 8; ++m) term_.col(m) += sign[m] / 8 * X_.col(a);
+    }
+    moments_.fill(0);
+  }
+  void collect() {
+    for (int a = 0; a < 8; ++a) {
+      const auto sign = monomials(reference_nodes()[a]);
+      for (int m = 0; m < 8; ++m) sums_[a] += sign[m] / 8 * moments_[m];
+    }
+  }
 
   Point at(const Eigen::Vector3d& xi) const {
     Point p;
-    double dN[20][3];
-    shape(nodes_, xi, p.N.data());
+    p.xi = xi;
+    if (nodes_ == 8) {
+      const double x = xi.x(), y = xi.y(), z = xi.z();
+      const Eigen::Vector3d along_x = term_.col(1) + y * term_.col(4) + z * term_.col(6) + y * z * term_.col(7);
+      const Eigen::Vector3d yz = term_.col(5);
+      p.J.row(0) = along_x;
+      p.J.row(1) = term_.col(2) + x * term_.col(4) + z * yz + x * z * term_.col(7);
+      p.J.row(2) = term_.col(3) + y * yz + x * term_.col(6) + x * y * term_.col(7);
+      p.x = term_.col(0) + x * along_x + y * term_.col(2) + z * term_.col(3) + y * z * yz;
+      return p;
+    }
+    double N[20], dN[20][3];
+    shape(nodes_, xi, N);
     shape_gradient(nodes_, xi, dN);
     p.x.setZero();
     p.J.setZero();
     for (int a = 0; a < nodes_; ++a) {
       const Eigen::Vector3d node = X_.col(a);
-      p.x += p.N[a] * node;
+      p.x += N[a] * node;
       for (int i = 0; i < 3; ++i) p.J.row(i) += dN[a][i] * node.transpose();
     }
     return p;
@@ -69,8 +108,15 @@ class Sphere {
   }
 
   void add(const Point& p, double volume) {
-    for (int a = 0; a < nodes_; ++a) sums_[a] += volume * p.N[a];
     ++points_;
+    if (nodes_ == 8) {
+      const auto values = monomials(p.xi);
+      for (int m = 0; m < 8; ++m) moments_[m] += volume * values[m];
+      return;
+    }
+    double N[20];
+    shape(nodes_, p.xi, N);
+    for (int a = 0; a < nodes_; ++a) sums_[a] += volume * N[a];
   }
 
   void gauss27() {
@@ -82,12 +128,11 @@ class Sphere {
     }
   }
 
-  /// a cell of the reference cube: middle and half edge
-  void divide(const Eigen::Vector3d& middle, double half, int depth) {
-    const Point p = at(middle);
-    const Eigen::Matrix3d edge = half * p.J;  // rows: half edges in space
-    const Eigen::Vector3d away = p.x - centre_;
-    const double distance = away.norm(), slack = 3 * bend_ * half * half;
+  void divide(const Cell& cell, int depth) {
+    const Point p = at(cell.middle);
+    const Eigen::Matrix3d edge = cell.half.asDiagonal() * p.J;  // rows: half edges in space
+    const Eigen::Vector3d away = p.x - centre_, size = edge.rowwise().norm();
+    const double distance = away.norm(), widest = cell.half.maxCoeff(), slack = 3 * bend_ * widest * widest;
     // the cell is apart from the ball when its shadow on the line to the centre is
     const double shadow = distance > 0 ? (edge * away).cwiseAbs().sum() / distance : 0;
     if (distance - shadow - slack >= radius_) return;
@@ -98,24 +143,35 @@ class Sphere {
       farthest = std::max(farthest, std::max((away + diagonal).squaredNorm(), (away - diagonal).squaredNorm()));
     }
     const bool inside = std::sqrt(farthest) + slack <= radius_;
-    const double longest = 2 * std::sqrt(edge.rowwise().squaredNorm().maxCoeff());
-    const bool fine = longest * options_.fineness <= radius_ || depth == deepest;
+    const double longest = 2 * size.maxCoeff();
     // a uniform weight needs no small cells inside, a smooth one does
-    if (inside && (options_.weight != Weight::smooth || longest * 2 <= radius_)) return take_inside(middle, half);
-    if (fine) return take_border(p, half, away, distance);
-    for (int child = 0; child < 8; ++child)
-      divide(middle + half / 2 * Eigen::Vector3d(child & 1 ? 1 : -1, child & 2 ? 1 : -1, child & 4 ? 1 : -1), half / 2,
-             depth + 1);
+    if (inside && (options_.weight != Weight::smooth || longest * 2 <= radius_)) return take_inside(cell);
+    if (longest * options_.fineness <= radius_ || depth == deepest) return take_border(p, cell, edge, away, distance);
+    // thin layers are cut along their long axes first
+    const std::array<bool, 3> cut = {size[0] * 4 > longest, size[1] * 4 > longest, size[2] * 4 > longest};
+    for (int child = 0; child < 8; ++child) {
+      Cell part = cell;
+      bool twin = false;
+      for (int i = 0; i < 3; ++i) {
+        const bool upper = child >> i & 1;
+        twin = twin || (upper && !cut[i]);
+        if (!cut[i]) continue;
+        part.half[i] /= 2;
+        part.middle[i] += upper ? part.half[i] : -part.half[i];
+      }
+      if (!twin) divide(part, depth + 1);
+    }
   }
 
-  void take_inside(const Eigen::Vector3d& middle, double half) {
+  void take_inside(const Cell& cell) {
     // exact for shape function times Jacobian of a trilinear element with 2 points, of a quadratic one with 3
     const Line& line = gauss_line(nodes_ == 20 || options_.weight == Weight::smooth ? 3 : 2);
     for (int k = 0; k < line.count; ++k)
       for (int j = 0; j < line.count; ++j)
         for (int i = 0; i < line.count; ++i) {
-          const Point p = at(middle + half * Eigen::Vector3d(line.position[i], line.position[j], line.position[k]));
-          const double weight = line.weight[i] * line.weight[j] * line.weight[k] * half * half * half;
+          const Eigen::Vector3d offset(line.position[i], line.position[j], line.position[k]);
+          const Point p = at(cell.middle + cell.half.cwiseProduct(offset));
+          const double weight = line.weight[i] * line.weight[j] * line.weight[k] / 8 * cell.volume();
           add(p, weight * p.J.determinant() * weight_at((p.x - centre_).norm()));
         }
   }
@@ -123,13 +179,13 @@ class Sphere {
   /// The part of a small cell that lies inside: that of a flat slab across the line to the centre with the cell's
   /// variance along it, moved outward by what the cell's width across the line adds to the mean distance. So the
   /// volume of the ball comes out to fourth order in cell over radius.
-  void take_border(const Point& p, double half, const Eigen::Vector3d& away, double distance) {
-    const Eigen::Matrix3d edge = half * p.J;
+  void take_border(const Point& p, const Cell& cell, const Eigen::Matrix3d& edge, const Eigen::Vector3d& away,
+                   double distance) {
     const double along = distance > 0 ? (edge * away).squaredNorm() / (distance * distance) : 0;
     const double across = edge.squaredNorm() - along;
     const double middle = distance + across / (6 * std::max(distance, radius_ / 2)), width = std::sqrt(along);
     const double part = width > 0 ? std::clamp(0.5 + (radius_ - middle) / (2 * width), 0.0, 1.0) : 1;
-    if (part > 0) add(p, part * 8 * half * half * half * p.J.determinant() * weight_at(std::min(distance, radius_)));
+    if (part > 0) add(p, part * cell.volume() * p.J.determinant() * weight_at(std::min(distance, radius_)));
   }
 
   int nodes_;
@@ -137,6 +193,8 @@ class Sphere {
   double radius_;
   SpreadOptions options_;
   Corners X_;
+  Eigen::Matrix<double, 3, 8> term_;
+  std::array<double, 8> moments_{};
   double bend_ = 0;
   std::array<double, 20> sums_{};
   int points_ = 0;

@@ -19,7 +19,7 @@ struct Validity {
   double bone_turn = 0;       ///< largest rotation of a bone that the supports prescribe, radians
   int turned_bone = -1;
 
-  static constexpr double strain_limit = 0.3;
+  static constexpr double strain_limit = 0.5;
   static constexpr double bone_turn_limit = 2 * 3.14159265358979323846 / 180;
 
   bool linear() const { return inverted == 0 && strain <= strain_limit && bone_turn <= bone_turn_limit; }

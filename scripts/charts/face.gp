@@ -2,6 +2,7 @@
 set datafile separator ","
 set datafile missing "nan"
 set grid lc rgb "#dddddd"
+set format y "%g"
 set key outside right top
 set style line 1 lc rgb "#999999" pt 4 lw 2
 set style line 2 lc rgb "#1f77b4" pt 7 lw 2
@@ -11,7 +12,7 @@ set style line 5 lc rgb "#d62728" pt 13 lw 2
 set style line 6 lc rgb "#9467bd" pt 2 lw 2
 
 # column of the rows in which another column holds a word
-pick(word, column, value) = strcol(column) eq word ? value : NaN
+pick(wanted, column, value) = strcol(column) eq wanted ? value : NaN
 
 do for [format in "svg png"] {
   if (format eq "svg") { set terminal svg size 900,540 font "Sans,13" background "white" } else { set terminal pngcairo size 900,540 font "Sans,11" }
@@ -54,12 +55,14 @@ do for [format in "svg png"] {
   set style fill solid 0.8
   set boxwidth 0.9
   table = data."/face_frames.csv"
-  set xtics ("solve,\ndouble" 0, "solve,\nsingle" 1, "basis,\n36 act" 2, "basis,\n6 act" 3, "drag one\nmuscle" 4)
+  set yrange [0.01:20]
+  set xtics ("solve double" 0, "solve single" 1, "basis, 36 active" 2, "basis, 6 active" 3, "drag a muscle" 4)
   plot table using 4 every ::1::5 ls 1 title "8x8x3", \
        "" using 4 every ::6::10 ls 2 title "16x16x4", \
        "" using 4 every ::11::15 ls 5 title "32x32x6"
   unset xtics
   set xtics
+  set yrange [*:*]
   set style data linespoints
 
   # --- locking

@@ -231,15 +231,28 @@ Neck::Solution Neck::solve(const Matrix3d& R, double roll_weight) const {
   solution.total = guess(R);
   // a target far outside is not worth a try
   const bool near = tilt(solution.total) < 1.5 && turn(solution.total) < 1.5;
-  if (near && reach(R, &solution)) return solution;
+  const Found found = near ? reach(R, &solution) : Found::nothing;
+  if (found == Found::inside) return solution;
+
   const Matrix3d M = R * Vector3d(roll_weight, roll_weight, 1).asDiagonal();
-  solution.total = guess(R);
-  approach(M, &solution);
+  solution.total = clamped(solution.total);
+  // from just outside the way to the boundary is plain; from afar there may be several
+  if (found == Found::outside) {
+    approach(M, &solution);
+  } else {
+    double least = INFINITY;
+    for (const Vector3d& start : starts(M, solution.total)) {
+      Solution down{start, Limit::none, 0, solution.iterations};
+      approach(M, &down);
+      const double value = shortfall(down.total, M);
+      if (value < least) least = value, solution = down;
+    }
+  }
   solution.error = angle_between(rotation(solution.total), R);
   return solution;
 }
 
-bool Neck::reach(const Matrix3d& R, Solution* solution) const {
+Neck::Found Neck::reach(const Matrix3d& R, Solution* solution) const {
   Vector3d total = solution->total;
   Frame frame;
   for (int i = 1; i <= 10; ++i) {
@@ -247,20 +260,20 @@ bool Neck::reach(const Matrix3d& R, Solution* solution) const {
     // e = angle * axis from sin(angle) * axis, by the series of arcsin: the guess is always near enough
     const Vector3d a = 0.5 * moment(frame.R, R);
     const double t = a.squaredNorm();
-    if (t > 0.25) return false;
+    if (t > 0.25) return Found::nothing;
     const Vector3d e = a * (1 + t * (1.0 / 6 + t * (3.0 / 40)));
     total += frame.J.inverse() * e;
-    if (tilt(total) > 2 || turn(total) > 2) return false;
+    if (!(tilt(total) < 2 && turn(total) < 2)) return Found::nothing;
     solution->iterations = i;
     // the convergence is quadratic, with a factor below 1: what is left after this step is rounding
     if (t < 1e-16) {
-      if (tilt(total) > 1 + inside_slack || turn(total) > 1 + inside_slack) return false;
-      solution->total = clamped(total);
+      const bool inside = tilt(total) <= 1 + inside_slack && turn(total) <= 1 + inside_slack;
+      solution->total = inside ? clamped(total) : total;
       solution->error = t;
-      return true;
+      return inside ? Found::inside : Found::outside;
     }
   }
-  return false;
+  return Found::nothing;
 }
 
 // -tr(M^T R) at a posture, with its first and second derivatives by the totals
@@ -300,28 +313,40 @@ Vector3d Neck::on_ellipse(double angle, double axial_total) const {
 
 void Neck::survey() {
   for (const double part : {-1.0, -0.5, 0.0, 0.5, 1.0})
-    for (int i = 0; i < 16; ++i) {
+    for (int i = 0; i < most_lookouts / 5; ++i) {
       const double a = part * (part > 0 ? highest_[axial] : -lowest_[axial]);
-      const Vector3d total = on_ellipse(i * M_PI / 8, a);
+      const Vector3d total = on_ellipse(i * 10 * M_PI / most_lookouts, a);
       lookouts_.push_back({total, rotation(total)});
     }
 }
 
-// a target on the far side has more than one nearest posture in sight: look around the rim before going down
-Vector3d Neck::best_start(const Matrix3d& M, const Vector3d& first) const {
+// A target on the far side has more than one nearest posture in sight: look around the boundary before going down, and
+// go down twice when a second place, well apart from the best one, is nearly as good.
+std::vector<Vector3d> Neck::starts(const Matrix3d& M, const Vector3d& first) const {
+  constexpr double apart = 0.7;
+  const double nearly = 0.15 * M.col(2).norm();
+  std::array<double, most_lookouts> value;
   Vector3d best = first;
   double least = shortfall(first, M);
-  for (const Lookout& lookout : lookouts_) {
-    const double value = -lookout.R.cwiseProduct(M).sum();
-    if (value < least) least = value, best = lookout.total;
+  for (std::size_t i = 0; i < lookouts_.size(); ++i) {
+    value[i] = -lookouts_[i].R.cwiseProduct(M).sum();
+    if (value[i] < least) least = value[i], best = lookouts_[i].total;
   }
-  return best;
+  std::vector<Vector3d> found{best};
+  double second = least + nearly;
+  for (std::size_t i = 0; i < lookouts_.size(); ++i)
+    if (value[i] < second && (lookouts_[i].total - best).norm() > apart) {
+      second = value[i];
+      found.resize(1);
+      found.push_back(lookouts_[i].total);
+    }
+  return found;
 }
 
 // Newton's method for the least -tr(M^T R) over the set. Where the boundary is active the step goes along it: by the
 // angle on the ellipse instead of flexion and lateral, without the axial total when that is at its end.
 void Neck::approach(const Matrix3d& M, Solution* solution) const {
-  Vector3d total = best_start(M, clamped(solution->total));
+  Vector3d total = solution->total;
   const double scale = M.col(2).norm();
   bool at_tilt = false, at_turn = false;
   for (int iteration = 1; iteration <= 60; ++iteration) {

@@ -92,9 +92,10 @@ class Neck {
   void evaluate(const Eigen::Vector3d& total, Frame* frame) const;
   Trace trace(const Eigen::Vector3d& total, const Eigen::Matrix3d& M) const;
   Eigen::Vector3d guess(const Eigen::Matrix3d& R) const;
-  bool reach(const Eigen::Matrix3d& R, Solution* solution) const;
+  enum class Found { inside, outside, nothing };
+  Found reach(const Eigen::Matrix3d& R, Solution* solution) const;
   void approach(const Eigen::Matrix3d& M, Solution* solution) const;
-  Eigen::Vector3d best_start(const Eigen::Matrix3d& M, const Eigen::Vector3d& first) const;
+  std::vector<Eigen::Vector3d> starts(const Eigen::Matrix3d& M, const Eigen::Vector3d& first) const;
   void survey();
   Eigen::Vector3d on_ellipse(double angle, double axial_total) const;
   double shortfall(const Eigen::Vector3d& total, const Eigen::Matrix3d& M) const;
@@ -110,6 +111,7 @@ class Neck {
     Eigen::Vector3d total;
     Eigen::Matrix3d R;
   };
+  static constexpr int most_lookouts = 80;
   std::vector<Lookout> lookouts_;
   // share of each level in a total, by side (0 below rest, 1 above) and freedom; and its rest angles
   std::array<std::array<std::array<double, most_levels>, 3>, 2> share_{};

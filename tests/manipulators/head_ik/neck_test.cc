@@ -133,8 +133,7 @@ TEST_P(Necks, NeverLeaveTheirLimitsAndAreIdempotent) {
   }
 }
 
-// The witness is a grid over the whole set. A point of it may be nearer only because the way down ended in another
-// valley; such targets exist at the far side, where two nearest postures are nearly equal.
+// The witness is a grid over the whole set: 2176 postures, none of which may be nearer to any of 2000 targets.
 TEST(FullNeck, FindsTheNearestPosture) {
   const Neck neck = full_neck();
   std::vector<Matrix3d> grid;
@@ -146,7 +145,7 @@ TEST(FullNeck, FindsTheNearestPosture) {
                                       s * neck.highest()[lateral], a / 8.0 * neck.highest()[axial]}));
       }
   std::mt19937_64 random(4);
-  for (int n = 0; n < 400; ++n) {
+  for (int n = 0; n < 2000; ++n) {
     const Matrix3d R = random_rotation(random);
     double best = M_PI;
     for (const Matrix3d& posture : grid) best = std::min(best, angle_between(posture, R));

@@ -52,8 +52,8 @@ constexpr std::string_view fixed_declarations = R"eyes(
 bool is_given(std::string_view name) { return name == "step" || name == "eye_distance" || name.starts_with("head_"); }
 
 // rows of the state that a checkpoint writes, as fields memory_NAME
-constexpr std::string_view rows[] = {"now",  "command", "velocity",  "copy",     "position",
-                                     "head", "reflex",  "disparity", "vergence", "lid"};
+constexpr std::string_view rows[] = {"now",    "command",   "velocity", "copy", "position", "head",
+                                     "reflex", "disparity", "vergence", "lid",  "swept"};
 
 std::string declarations() {
   std::string text(fixed_declarations);

@@ -10,8 +10,9 @@ namespace eye {
 
 namespace {
 
-constexpr double blind_lid = 0.5;                                 // closure from which nothing is seen
-constexpr double vergence_speed = 0.5 * deg;                      // from which the mode is called vergence, rad/s
+constexpr double blind_lid = 0.5;             // closure from which nothing is seen
+constexpr double recovery = 15;               // steps until vision is trusted after a sweep of gaze by the head
+constexpr double vergence_speed = 0.5 * deg;  // from which the mode is called vergence, rad/s
 constexpr double shortest_latency = 0.08, longest_latency = 1.5;  // of LATER, s
 
 int look_back(const Pursuit& pursuit, const Vergence& vergence, const Parameters& p) {
@@ -55,9 +56,12 @@ void Gaze::advance(const Stimulus& s) {
   memory_[n_].disparity = s.visible ? s.seen_vergence : memory_[n_ - 1].disparity;
   next.head = now.head + s.head_turn;
   next.lid = restless_.lid(n_);
+  next.swept = s.goal.beyond ? recovery : std::max(0.0, now.swept - 1);
   if (p_.method == Method::snap) return snap(s);
 
-  const bool visible = s.visible && memory_[n_ - pursuit_.visual_steps()].lid < blind_lid;
+  // behind the lid, and while the head sweeps gaze along, nothing is seen
+  const Moment& then = memory_[n_ - pursuit_.visual_steps()];
+  const bool visible = s.visible && then.lid < blind_lid && then.swept == 0;
   Vec2 moved = unseen_causes(s, visible);
   if (p_.method != Method::saccade_only) {
     Vec2 noise;
@@ -229,7 +233,10 @@ constexpr struct {
 constexpr struct {
   const char* name;
   double Moment::*number;
-} numbers[] = {{"disparity", &Moment::disparity}, {"vergence", &Moment::vergence}, {"lid", &Moment::lid}};
+} numbers[] = {{"disparity", &Moment::disparity},
+               {"vergence", &Moment::vergence},
+               {"lid", &Moment::lid},
+               {"swept", &Moment::swept}};
 
 }  // namespace
 

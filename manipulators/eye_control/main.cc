@@ -2,6 +2,7 @@
 #include <fstream>
 #include <iostream>
 
+#include "manipulators/eye_control/chart.h"
 #include "manipulators/eye_control/eyes.h"
 #include "manipulators/eye_control/simulate.h"
 #include "objdb/text.h"
@@ -12,7 +13,7 @@ namespace {
 constexpr int bad_data = 1, bad_usage = 2;
 
 struct Options {
-  std::string target, head, out, step, frame = "world";
+  std::string target, head, out, step, chart, frame = "world";
   std::vector<std::string> settings;
 };
 
@@ -112,15 +113,20 @@ int main(int argc, char** argv) {
   app.add_option("--frame", options.frame, "directions of the trace: in the world, or of the eyes in the head")
       ->check(CLI::IsMember({"world", "head"}));
   app.add_option("--out", options.out, "the trace (CSV); - is standard output");
+  app.add_option("--chart", options.chart, "measure what docs/charts shows and write it into this folder (CSV)");
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : bad_usage;
   }
+  if (!options.chart.empty()) {
+    const auto written = eye::write_charts(options.chart);
+    return written ? 0 : complain(bad_data, written.error().sentence);
+  }
   if (!options.target.empty()) {
     if (options.out.empty()) return complain(bad_usage, "eye_control: error syntax --simulate needs --out TRACE.csv");
     return simulate(options);
   }
-  if (argc > 1) return complain(bad_usage, "eye_control: error syntax expected --simulate, see --help");
+  if (argc > 1) return complain(bad_usage, "eye_control: error syntax expected --simulate or --chart, see --help");
   return eye::Eyes().run();
 }

@@ -18,6 +18,7 @@ struct Moment {
   double disparity = 0;  ///< mean vergence of the seen target over the following step, rad
   double vergence = 0;   ///< vergence of the eyes, rad
   double lid = 0;        ///< lid closure, 0 open to 1 closed
+  double swept = 0;      ///< steps since the head carried gaze beyond the eyes' range, counted down to 0
 };
 
 /// The last moments, addressed by absolute step number. Holds at least `span + 2` of them.

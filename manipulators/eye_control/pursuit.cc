@@ -5,6 +5,8 @@ namespace eye {
 namespace {
 
 constexpr double blank_time = 0.1;        // how long a hidden target is taken to go on as before, s
+constexpr double attributed = 0.1;        // share of head speed that is taken for a fault of the reflex
+constexpr double attribution = 0.1;       // and for how long after, s
 constexpr double trusted = 0.1;           // trust from which a forecast alone keeps pursuit on
 constexpr double inversion_limit = 0.95;  // share of the acceleration limit that a forecast may ask for
 
@@ -26,6 +28,7 @@ Pursuit::Pursuit(const Parameters& p)
       copy_plant_(p.copy_plant_time, p.step),
       sight_(p.visual_lag, p.step),
       fade_(std::exp(-p.step / p.offset_time)),
+      forget_(std::exp(-p.step / attribution)),
       horizontal_(p),
       vertical_(p) {
   span_ = std::max({visual_, copy_visual_, local_, motor_, copy_motor_});
@@ -62,13 +65,15 @@ Vec2 Pursuit::drive(Vec2 seen, Vec2 error, double ahead) const {
   return {reactive.x + tx * (forecast.x - reactive.x), reactive.y + ty * (forecast.y - reactive.y)};
 }
 
-// pursuit starts and ends as a whole; fixation is not pursuit of a target at rest
-void Pursuit::switch_over() {
-  const double speed = norm(seen_);
-  still_ = speed < p_->pursuit_off ? still_ + 1 : 0;
+// pursuit starts and ends as a whole; fixation is not pursuit of a target at rest, and what is seen to move while the
+// head turns is put down to the reflex as far as that may be
+void Pursuit::switch_over(double head_speed) {
+  head_speed_ = std::max(head_speed, forget_ * head_speed_);
+  const double speed = norm(seen_), reflex = attributed * head_speed_;
+  still_ = speed < p_->pursuit_off + reflex ? still_ + 1 : 0;
   const Vec2 trust = predicting_ ? this->trust() : Vec2{};
   const bool expected = std::max(trust.x, trust.y) > trusted;
-  if (speed > p_->pursuit_on || expected) active_ = true;
+  if (speed > p_->pursuit_on + reflex || expected) active_ = true;
   if (still_ > hold_ && !expected) active_ = false;
 }
 
@@ -100,7 +105,7 @@ Vec2 Pursuit::advance(Memory& memory, int64_t n, Vec2 target, Vec2 noise, Vec2 e
     vertical_.see(0.5 * (seen0.y + seen1.y), visible);
   }
   if (switched_) {
-    switch_over();
+    switch_over(norm(memory[n + 1 - visual_].head - memory[n - visual_].head) / h_);
   } else {
     active_ = true;
   }

@@ -49,12 +49,12 @@ class Pursuit {
   template <class Visit>
   void each(Visit&& visit) {
     visit(seen_.x), visit(seen_.y), visit(slip_.x), visit(slip_.y), visit(held_.x), visit(held_.y);
-    visit(active_), visit(still_), visit(unseen_);
+    visit(active_), visit(head_speed_), visit(still_), visit(unseen_);
     horizontal_.each(visit), vertical_.each(visit);
   }
 
  private:
-  void switch_over();
+  void switch_over(double head_speed);
   Vec2 saturated(Vec2 error) const;
   Vec2 drive(Vec2 seen, Vec2 error, double ahead) const;
 
@@ -64,11 +64,12 @@ class Pursuit {
   int hold_, blank_;
   bool linear_, switched_, predicting_;
   Lag plant_, copy_plant_, sight_;
-  double fade_;
+  double fade_, forget_;
   Predictor horizontal_, vertical_;
 
   Vec2 seen_, slip_, held_;
   bool active_ = false;
+  double head_speed_ = 0;
   int still_ = 0, unseen_ = 0;
 };
 

@@ -38,7 +38,7 @@ struct Turns {
   typename Lanes<N>::Real s[4], c[4], outside;
 };
 
-template <int N>
+template <int N, bool swings>
 ARM_IK_INLINE Turns<N> turns_of(const Limb::Constants& k, const Vector<N>& target, typename Lanes<N>::Real swivel_s,
                                 typename Lanes<N>::Real swivel_c) {
   using Real = typename Lanes<N>::Real;
@@ -77,11 +77,13 @@ ARM_IK_INLINE Turns<N> turns_of(const Limb::Constants& k, const Vector<N>& targe
     const Real along = dot<N>(ks, r) * rest;
     const Vector<N> turned = {c * r.x + kr.x + ks.x * along, c * r.y + kr.y + ks.y * along,
                               c * r.z + kr.z + ks.z * along};
-    const Vector<N> ut = cross<N>(u, turned);
-    const Real uu = dot<N>(u, turned) * (one - swivel_c);
-    const Vector<N> swung = {swivel_c * turned.x + swivel_s * ut.x + u.x * uu,
-                             swivel_c * turned.y + swivel_s * ut.y + u.y * uu,
-                             swivel_c * turned.z + swivel_s * ut.z + u.z * uu};
+    Vector<N> swung = turned;
+    if constexpr (swings) {
+      const Vector<N> ut = cross<N>(u, turned);
+      const Real uu = dot<N>(u, turned) * (one - swivel_c);
+      swung = {swivel_c * turned.x + swivel_s * ut.x + u.x * uu, swivel_c * turned.y + swivel_s * ut.y + u.y * uu,
+               swivel_c * turned.z + swivel_s * ut.z + u.z * uu};
+    }
     H[column] = times<N>(k.to_socket, swung);
   }
   // H = Rz(a) M Rz(c), see the header of Limb: sin b < 0 is the branch of a raised arm
@@ -97,19 +99,20 @@ ARM_IK_INLINE Turns<N> turns_of(const Limb::Constants& k, const Vector<N>& targe
   return out;
 }
 
-double wrapped(double angle, double middle) {
-  const double turn = 2 * M_PI;
-  return angle - turn * std::nearbyint((angle - middle) / turn);
+ARM_IK_INLINE double wrapped(double angle, double middle) {
+  // adding and taking away 1.5 * 2^52 rounds to the nearest integer without a call
+  constexpr double turn = 2 * M_PI, rounder = 6755399441055744.0;
+  return angle - turn * (((angle - middle) * (1 / turn) + rounder) - rounder);
 }
 
-double excess_of(const Limb::Constants& k, const double* q) {
+ARM_IK_INLINE double excess_of(const Limb::Constants& k, const double* q) {
   double excess = 0;
   for (int i = 0; i < 4; ++i) excess = std::max({excess, q[i] - k.upper[i], k.lower[i] - q[i]});
   return excess;
 }
 
 // joint values from raw angles: the nearer turn, and the other shoulder branch where that suits the limits better
-Limb::Answer finish(const Limb::Constants& k, const double* raw, double outside) {
+ARM_IK_INLINE Limb::Answer finish(const Limb::Constants& k, const double* raw, double outside) {
   Limb::Answer out;
   for (int i = 0; i < 4; ++i) out.q[i] = wrapped(raw[i] - k.offset[i], k.middle[i]);
   out.excess = excess_of(k, out.q);
@@ -124,9 +127,11 @@ Limb::Answer finish(const Limb::Constants& k, const double* raw, double outside)
   return other.excess < out.excess ? other : out;
 }
 
+template <bool swings>
 ARM_IK_INLINE Limb::Answer solve_body(const Limb::Constants& k, const Eigen::Vector3d& target, double s, double c) {
   using Real1 = Lanes<1>::Real;
-  const Turns<1> turns = turns_of<1>(k, {Real1{target.x()}, Real1{target.y()}, Real1{target.z()}}, Real1{s}, Real1{c});
+  const Turns<1> turns =
+      turns_of<1, swings>(k, {Real1{target.x()}, Real1{target.y()}, Real1{target.z()}}, Real1{s}, Real1{c});
   const Real4 raw = angle_of<4>(Real4{turns.s[0][0], turns.s[1][0], turns.s[2][0], turns.s[3][0]},
                                 Real4{turns.c[0][0], turns.c[1][0], turns.c[2][0], turns.c[3][0]});
   double angles[4];
@@ -134,10 +139,19 @@ ARM_IK_INLINE Limb::Answer solve_body(const Limb::Constants& k, const Eigen::Vec
   return finish(k, angles, turns.outside[0]);
 }
 
+Limb::Answer least_portable(const Limb::Constants& k, const Eigen::Vector3d& t) {
+  return solve_body<false>(k, t, 0, 1);
+}
+
+[[gnu::target("avx2")]] Limb::Answer least_avx2(const Limb::Constants& k, const Eigen::Vector3d& t) {
+  return solve_body<false>(k, t, 0, 1);
+}
+
+template <bool swings>
 ARM_IK_INLINE void eight_body(const Limb::Constants& k, const double* targets, const double* s, const double* c,
                               Limb::Answer* answers) {
-  const Turns<8> turns =
-      turns_of<8>(k, {load<8>(targets), load<8>(targets + 8), load<8>(targets + 16)}, load<8>(s), load<8>(c));
+  const Turns<8> turns = turns_of<8, swings>(k, {load<8>(targets), load<8>(targets + 8), load<8>(targets + 16)},
+                                             swings ? load<8>(s) : Real8{}, swings ? load<8>(c) : Real8{});
   alignas(64) double raw[4][8];
   for (int i = 0; i < 4; ++i) store<8>(raw[i], angle_of<8>(turns.s[i], turns.c[i]));
   for (int lane = 0; lane < 8; ++lane) {
@@ -148,18 +162,18 @@ ARM_IK_INLINE void eight_body(const Limb::Constants& k, const double* targets, c
 
 void eight_portable(const Limb::Constants& k, const double* t, const double* s, const double* c,
                     Limb::Answer* answers) {
-  eight_body(k, t, s, c, answers);
+  return s == nullptr ? eight_body<false>(k, t, s, c, answers) : eight_body<true>(k, t, s, c, answers);
 }
 
 [[gnu::target("avx2")]] void eight_avx2(const Limb::Constants& k, const double* t, const double* s, const double* c,
                                         Limb::Answer* answers) {
-  eight_body(k, t, s, c, answers);
+  return s == nullptr ? eight_body<false>(k, t, s, c, answers) : eight_body<true>(k, t, s, c, answers);
 }
 
 [[gnu::target("avx512f,avx512dq,avx512vl")]] void eight_avx512(const Limb::Constants& k, const double* t,
                                                                const double* s, const double* c,
                                                                Limb::Answer* answers) {
-  eight_body(k, t, s, c, answers);
+  return s == nullptr ? eight_body<false>(k, t, s, c, answers) : eight_body<true>(k, t, s, c, answers);
 }
 
 void eight(Isa isa, const Limb::Constants& k, const double* t, const double* s, const double* c,
@@ -217,12 +231,13 @@ Limb::Limb(const HumanArm& arm, std::span<const double> posture) {
 }
 
 Limb::Answer Limb::solve(const Eigen::Vector3d& target, double swivel) const {
-  return solve_body(constants_, target, std::sin(swivel), std::cos(swivel));
+  if (swivel != 0) return solve_body<true>(constants_, target, std::sin(swivel), std::cos(swivel));
+  static const bool wide = best_isa() != Isa::portable;
+  return wide ? least_avx2(constants_, target) : least_portable(constants_, target);
 }
 
 void Limb::solve_eight(const double* targets, Answer* answers, Isa isa) const {
-  constexpr double zero[8] = {}, one[8] = {1, 1, 1, 1, 1, 1, 1, 1};
-  eight(isa, constants_, targets, zero, one, answers);
+  eight(isa, constants_, targets, nullptr, nullptr, answers);
 }
 
 Limb::Answer Limb::solve_within_limits(const Eigen::Vector3d& target, int samples) const {

@@ -13,7 +13,7 @@ namespace {
 
 // measured: what helps one chain helps them all, see docs/arm.md
 constexpr int inner_starts = 2;
-constexpr int edge_starts = 24;
+constexpr int edge_starts = 64;
 constexpr double edge_spill = 0.4;
 constexpr double quick_patience = 0.8, long_patience = 0.95;
 constexpr int steps_a_start = 50;
@@ -119,7 +119,7 @@ Solution Solver::reach(const Goal& goal, const SolveOptions& options, std::span<
     const double left = std::sqrt(least) / packed_.reach;
     if (out.iterations >= budget) return true;
     if (beyond && settled >= 3) return true;
-    return settled >= 30 && left > 0.1;
+    return settled >= 120 && left > 0.1;
   };
 
   SeedBank::Search inner(*inner_, goal);

@@ -1,0 +1,225 @@
+// The arm's inverse kinematics against its targets and against other libraries, in one run.
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+
+#include "manipulators/arm_ik/engine.h"
+#include "manipulators/arm_ik/limb.h"
+#include "manipulators/arm_ik/measure.h"
+#include "manipulators/arm_ik/random.h"
+#include "manipulators/arm_ik/tracker.h"
+#include "manipulators/kinematics/arm11.h"
+#include "manipulators/kinematics/chain_file.h"
+
+namespace {
+
+using namespace arm_ik;
+using kinematics::Chain;
+using kinematics::Pose;
+
+constexpr double tick = 0.01;         // [s]
+constexpr double peer_budget = 5e-3;  // [s]
+
+Contestant ours(Engine& engine, Method method) {
+  return {std::string(name_of(method)),
+          [&engine, method](const Pose& target, double position, double rotation, std::span<double> q) {
+            SolveOptions options;
+            options.position_tolerance = position;
+            options.rotation_tolerance = rotation;
+            (void)engine.solve(method, Goal(target, true), options, q);
+          }};
+}
+
+Contestant theirs(Peer& peer) {
+  return {peer.name(), [&peer](const Pose& target, double position, double rotation, std::span<double> q) {
+            peer.solve(target, position, rotation, peer_budget, q);
+          }};
+}
+
+void print(const std::string& set, const std::string& name, const Score& s) {
+  std::printf("%-22s %-13s %8d %7d %10.2f %10.2f %11.1e %9.1e\n", set.c_str(), name.c_str(), s.targets, s.failed,
+              s.median, s.p99, s.median_position, s.median_rotation);
+}
+
+void print(const std::string& set, const std::string& name, const TrackScore& s) {
+  std::printf("%-22s %-13s %8d %7d %6d %10.3f %10.1e %9.2f %9.2f\n", set.c_str(), name.c_str(), s.ticks, s.failed,
+              s.jumps, s.largest_step, s.drift, s.median, s.p99);
+}
+
+// one chain, all sets; peers on the first targets of the same list
+void sets_of(const Chain& chain, int count, int peer_count) {
+  Engine engine(chain);
+  engine.prepare(Method::reach);
+  const auto peers = peers_for(chain);
+  const auto row = [&](ProblemSet set, Method method, double position, const std::string& label, int passes) {
+    const auto list = problems(chain, set, count, 7);
+    print(chain.name + " " + label, name_of(method).data(),
+          measure(chain, list, ours(engine, method), position, 10 * position, passes));
+    const std::vector<Problem> few(list.begin(), list.begin() + std::min<std::ptrdiff_t>(peer_count, count));
+    for (const auto& peer : peers)
+      print("", peer->name(), measure(chain, few, theirs(*peer), position, 10 * position, 1));
+  };
+  row(ProblemSet::random, Method::reach, 1e-5, "random", 2);
+  row(ProblemSet::warm, Method::automatic, 1e-5, "warm", 3);
+  row(ProblemSet::near_limit, Method::reach, 1e-5, "near limits", 2);
+  row(ProblemSet::singular, Method::reach, 1e-5, "singular", 2);
+  row(ProblemSet::random, Method::reach, 1e-12, "random to 1e-12", 2);
+  row(ProblemSet::unreachable, Method::reach, 1e-5, "out of reach", 2);
+}
+
+void a_million(const Chain& chain) {
+  Engine engine(chain);
+  engine.prepare(Method::reach);
+  Score all;
+  double median = 0, p99 = 0;
+  constexpr int rounds = 20;
+  for (int round = 0; round < rounds; ++round) {
+    const Score s = measure(chain, problems(chain, ProblemSet::random, 50000, 1000 + round),
+                            ours(engine, Method::reach), 1e-5, 1e-4, 1);
+    all.targets += s.targets;
+    all.failed += s.failed;
+    median += s.median / rounds;
+    p99 += s.p99 / rounds;
+  }
+  all.median = median;
+  all.p99 = p99;
+  print(chain.name + " a million", "reach", all);
+}
+
+Follower tracker_of(const Chain& chain, const Packed& packed, double rate) {
+  std::vector<double> posture;
+  for (const kinematics::Joint& joint : chain.joints) posture.push_back(0.5 * (joint.lower + joint.upper));
+  TrackOptions options;
+  options.rate = rate;
+  return {"tracker", [&packed, posture, options](const Pose& target, std::span<double> q) {
+            (void)Tracker(packed).follow(Goal(target, true), options, posture, tick, q);
+          }};
+}
+
+void tracking(const Chain& chain, std::uint64_t seed) {
+  const Packed packed(chain);
+  const auto ours_of = [&](double largest) { return tracker_of(chain, packed, 2 * largest / tick); };
+  print(chain.name + " courses " + std::to_string(seed), "tracker", track(chain, 10, seed, ours_of));
+  print(chain.name + " out and back", "tracker", out_and_back(chain, 10, seed, tracker_of(chain, packed, 10)));
+}
+
+void tracking_peers(const Chain& chain, std::uint64_t seed) {
+  for (const auto& peer : peers_for(chain)) {
+    const auto follow = [&](double) {
+      return Follower{peer->name(),
+                      [&](const Pose& target, std::span<double> q) { peer->solve(target, 1e-5, 1e-4, 1e-3, q); }};
+    };
+    print("", peer->name(), track(chain, 1, seed, follow));
+  }
+}
+
+// how far the answer to an unreachable target is from the best of a thousand descents
+void residuals(const Chain& chain) {
+  Engine engine(chain);
+  const Packed& packed = engine.solver().packed();
+  Random random(5);
+  int within = 0;
+  double worst = 0;
+  const auto list = problems(chain, ProblemSet::unreachable, 200, 9);
+  for (const Problem& problem : list) {
+    const Goal goal(problem.target, true);
+    const auto cost_of = [&](std::span<const double> q) {
+      const Pose at = kinematics::forward(chain, q);
+      const double turn = 2 * std::sin(0.5 * kinematics::rotation_distance(at.R, problem.target.R));
+      return std::sqrt((at.p - problem.target.p).squaredNorm() + packed.length * packed.length * turn * turn);
+    };
+    std::vector<double> q(problem.start);
+    (void)engine.solve(Method::reach, goal, {}, q);
+    const double got = cost_of(q);
+    double best = HUGE_VAL;
+    DescentOptions options;
+    options.iterations = 200;
+    for (int start = 0; start < 1000; ++start) {
+      for (int i = 0; i < chain.size(); ++i) q[i] = random.between(packed.lower[i], packed.upper[i]);
+      best = std::min(best, std::sqrt(descend(packed, goal, options, q.data(), best_isa()).cost));
+    }
+    within += got <= 1.01 * best;
+    worst = std::max(worst, got / best - 1);
+  }
+  std::printf(
+      "\n%s out of reach: residual within 1%% of the best of 1000 starts for %d of %zu targets, worst %.2f%% above\n",
+      chain.name.c_str(), within, list.size(), 100 * worst);
+}
+
+void closed_form() {
+  const Chain chain = kinematics::arm11();
+  const HumanArm arm = *HumanArm::recognize(chain);
+  std::vector<double> rest;
+  for (const kinematics::Joint& joint : chain.joints) rest.push_back(joint.rest);
+  const Limb limb(arm, rest);
+  Random random(3);
+  constexpr int count = 4096;
+  std::vector<double> targets(3 * count);
+  std::vector<Limb::Answer> answers(count);
+  for (int batch = 0; batch < count / 8; ++batch) {
+    for (int lane = 0; lane < 8; ++lane) {
+      std::vector<double> q = rest;
+      for (int i = 6; i < 10; ++i) q[i] = random.between(chain.joints[i].lower, chain.joints[i].upper);
+      const Eigen::Vector3d p = kinematics::forward(chain, q).p;
+      for (int axis = 0; axis < 3; ++axis) targets[24 * batch + 8 * axis + lane] = p[axis];
+    }
+  }
+  const auto clock = [] {
+    timespec now{};
+    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+    return 1e9 * static_cast<double>(now.tv_sec) + static_cast<double>(now.tv_nsec);
+  };
+  double one = HUGE_VAL, eight = HUGE_VAL, worst = 0;
+  for (int pass = 0; pass < 50; ++pass) {
+    double before = clock();
+    for (int k = 0; k < count; ++k) {
+      const double* t = &targets[24 * (k / 8) + k % 8];
+      answers[k] = limb.solve({t[0], t[8], t[16]});
+    }
+    one = std::min(one, (clock() - before) / count);
+    before = clock();
+    for (int batch = 0; batch < count / 8; ++batch) limb.solve_eight(&targets[24 * batch], &answers[8 * batch]);
+    eight = std::min(eight, (clock() - before) / count);
+  }
+  for (int k = 0; k < count; ++k) {
+    const double* t = &targets[24 * (k / 8) + k % 8];
+    std::vector<double> q = rest;
+    std::copy_n(answers[k].q, 4, q.begin() + 6);
+    worst = std::max(worst, (kinematics::forward(chain, q).p - Eigen::Vector3d(t[0], t[8], t[16])).norm());
+  }
+  std::printf("\nclosed form: %.0f ns a target, %.0f ns in batches of eight, largest error %.1e m\n", one, eight,
+              worst);
+}
+
+}  // namespace
+
+int main() {
+  std::printf("%-22s %-13s %8s %7s %10s %10s %11s %9s\n", "set", "solver", "targets", "failed", "median us", "p99 us",
+              "median m", "rad");
+  const Chain arm = kinematics::arm11();
+  a_million(arm);
+  sets_of(arm, 20000, 100);
+  sets_of(iiwa14(), 10000, 50);
+  sets_of(panda(), 10000, 50);
+  const char* set = std::getenv("SAILOR_DATA");
+  const std::string data = set ? set : std::string(SOURCE_DIR) + "/../shared/data";
+  if (std::filesystem::exists(data + "/arm/humanSubject01_48dof.urdf")) {
+    for (const auto& [base, tip] :
+         {std::pair("T8", "RightHand"), std::pair("Pelvis", "RightToe"), std::pair("Pelvis", "LeftHand")}) {
+      auto human = kinematics::read_urdf_chain(data + "/arm/humanSubject01_48dof.urdf", base, tip);
+      if (!human) continue;
+      human->name = std::string(tip) + "/" + std::to_string(human->size());
+      sets_of(*human, 10000, 0);
+    }
+  }
+  residuals(arm);
+  closed_form();
+  std::printf("\n%-22s %-13s %8s %7s %6s %10s %10s %9s %9s\n", "closed courses", "solver", "ticks", "failed", "jumps",
+              "largest", "drift", "median us", "p99 us");
+  for (const std::uint64_t seed : {100, 200, 300}) tracking(arm, seed);
+  tracking_peers(arm, 100);
+  tracking(iiwa14(), 100);
+}

@@ -56,7 +56,7 @@ do for [format in "svg png"] {
   set boxwidth 0.9
   table = data."/face_frames.csv"
   set yrange [0.01:20]
-  set xtics ("solve double" 0, "solve single" 1, "basis, 36 active" 2, "basis, 6 active" 3, "drag a muscle" 4)
+  set xtics ("solve double" 0, "solve single" 1, "36 by basis" 2, "6 by basis" 3, "drag a muscle" 4)
   plot table using 4 every ::1::5 ls 1 title "8x8x3", \
        "" using 4 every ::6::10 ls 2 title "16x16x4", \
        "" using 4 every ::11::15 ls 5 title "32x32x6"

@@ -28,6 +28,7 @@ Gaze::Gaze(std::shared_ptr<const Parameters> parameters)
       vergence_(p_),
       restless_(p_),
       memory_(look_back(pursuit_, vergence_, p_)),
+      rate_(1 / p_.step),
       vestibular_part_(p_.vor_latency / p_.step - std::floor(p_.vor_latency / p_.step)),
       vestibular_steps_(static_cast<int>(std::floor(p_.vor_latency / p_.step))) {
   rest({});
@@ -70,7 +71,7 @@ void Gaze::advance(const Stimulus& s) {
       noise = p_.slip_noise * Vec2{normal(seed, Stream::noise, count), normal(seed, Stream::noise, count + 1)};
     }
     const Vec2 error = visible ? s.seen_from - memory_[n_ - pursuit_.visual_steps()].position : Vec2{};
-    moved += pursuit_.advance(memory_, n_, (1 / p_.step) * (s.seen_to - s.seen_from), noise, error, visible);
+    moved += pursuit_.advance(memory_, n_, rate_ * (s.seen_to - s.seen_from), noise, error, visible);
   }
 
   decide(s, visible);
@@ -120,14 +121,14 @@ Vec2 Gaze::unseen_causes(const Stimulus& s, bool visible) {
   optokinetic_ += p_.step * (p_.optokinetic_gain * slip - (1 / p_.optokinetic_time) * optokinetic_);
   moved += p_.step * optokinetic_ + restless_.drift(n_);
   if (p_.integrator_time > 0) moved -= (p_.step / p_.integrator_time) * path_;
-  memory_[n_].reflex = (1 / p_.step) * moved;
+  memory_[n_].reflex = rate_ * moved;
   return moved;
 }
 
 // saccades: look for a reason, freeze the plan, launch
 void Gaze::decide(const Stimulus& s, bool visible) {
   const int64_t seen_at = n_ - pursuit_.visual_steps();
-  const bool moving = p_.method != Method::saccade_only && norm(pursuit_.target_velocity()) > p_.pursuit_on;
+  const bool moving = p_.method != Method::saccade_only && pursuit_.target_moves();
   if (!pending_ && !saccade_.active() && visible && seen_at >= landed_) {
     const Vec2 error = s.seen_from - memory_[seen_at].position;
     const Vec2 slip = moving ? pursuit_.slip() : Vec2{};

@@ -99,6 +99,7 @@ class Gaze {
   Restless restless_;
   Saccade saccade_;
   Memory memory_;
+  double rate_;  ///< steps a second
   double vestibular_part_;
   int vestibular_steps_;
 

@@ -44,8 +44,8 @@ Vec2 Pursuit::saturated(Vec2 error) const {
 // the premotor input `ahead` of the last seen step: what is seen, as far as the forecast is not trusted
 Vec2 Pursuit::drive(Vec2 seen, Vec2 error, double ahead) const {
   if (linear_) return p_->pursuit_gain * seen;
-  const double speed = norm(seen);
-  const double share = speed > p_->velocity_limit ? p_->velocity_limit / speed : 1;
+  const double speed2 = dot(seen, seen), limit = p_->velocity_limit;
+  const double share = speed2 > limit * limit ? limit / std::sqrt(speed2) : 1;
   const Vec2 reactive = p_->pursuit_gain * share * seen;
   const double tx = horizontal_.trust(), ty = vertical_.trust();
   if (!predicting_ || (tx == 0 && ty == 0)) return reactive;
@@ -69,11 +69,12 @@ Vec2 Pursuit::drive(Vec2 seen, Vec2 error, double ahead) const {
 // head turns is put down to the reflex as far as that may be
 void Pursuit::switch_over(double head_speed) {
   head_speed_ = std::max(head_speed, forget_ * head_speed_);
-  const double speed = norm(seen_), reflex = attributed * head_speed_;
-  still_ = speed < p_->pursuit_off + reflex ? still_ + 1 : 0;
+  const double reflex = attributed * head_speed_, on = p_->pursuit_on + reflex, off = p_->pursuit_off + reflex;
+  const double speed2 = dot(seen_, seen_);
+  still_ = speed2 < off * off ? still_ + 1 : 0;
   const Vec2 trust = predicting_ ? this->trust() : Vec2{};
   const bool expected = std::max(trust.x, trust.y) > trusted;
-  if (speed > p_->pursuit_on + reflex || expected) active_ = true;
+  if (speed2 > on * on || expected) active_ = true;
   if (still_ > hold_ && !expected) active_ = false;
 }
 
@@ -105,7 +106,8 @@ Vec2 Pursuit::advance(Memory& memory, int64_t n, Vec2 target, Vec2 noise, Vec2 e
     vertical_.see(0.5 * (seen0.y + seen1.y), visible);
   }
   if (switched_) {
-    switch_over(norm(memory[n + 1 - visual_].head - memory[n - visual_].head) / h_);
+    const Vec2 turned = memory[n + 1 - visual_].head - memory[n - visual_].head;
+    switch_over(turned == Vec2{} ? 0 : norm(turned) / h_);
   } else {
     active_ = true;
   }

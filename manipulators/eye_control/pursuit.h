@@ -39,6 +39,8 @@ class Pursuit {
 
   /// Reconstructed target velocity at the end of the last step, rad/s.
   Vec2 target_velocity() const { return seen_; }
+  /// It is fast enough to be pursued.
+  bool target_moves() const { return dot(seen_, seen_) > p_->pursuit_on * p_->pursuit_on; }
   /// Retinal slip at the start of the last step (visual_steps ago), rad/s.
   Vec2 slip() const { return slip_; }
   /// Pursuit is switched on.

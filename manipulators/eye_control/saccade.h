@@ -91,7 +91,7 @@ inline double eye_crossing_time(Vec2 error, Vec2 slip) {
 
 /// Whether a saccade is called for: the error is seen and pursuit alone will not close it in time.
 inline bool wants_saccade(Vec2 error, Vec2 slip, const Parameters& p) {
-  if (!(norm(error) > p.dead_zone)) return false;
+  if (!(dot(error, error) > p.dead_zone * p.dead_zone)) return false;
   const double crossing = eye_crossing_time(error, slip);
   return !(crossing >= p.smooth_from && crossing <= p.smooth_to);
 }

@@ -1,0 +1,128 @@
+#include <time.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <memory>
+#include <vector>
+
+#include "manipulators/eye_control/gaze.h"
+#include "manipulators/eye_control/loop.h"
+#include "manipulators/eye_control/pursuit_block.h"
+
+// What the eyes cost, beside simpler ways in the same run. An eye-axis millisecond is one component of one eye over one
+// internal step; a figure has four (two eyes, horizontal and vertical), and vergence besides.
+
+namespace {
+
+using namespace eye;
+
+double processor_time() {
+  timespec now;
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
+// median over `rounds` of the processor time of one call, s
+template <class Call>
+double median(int rounds, Call&& call) {
+  std::vector<double> times;
+  for (int k = 0; k < rounds; ++k) {
+    const double start = processor_time();
+    call();
+    times.push_back(processor_time() - start);
+  }
+  std::nth_element(times.begin(), times.begin() + rounds / 2, times.end());
+  return times[static_cast<size_t>(rounds / 2)];
+}
+
+// what one pair of eyes meets: back and forth at 9 deg/s with its own phase, and a jump of 6 deg now and then; whole
+// numbers, so that making it costs little beside what is measured
+Stimulus meet(int64_t n, int figure) {
+  Stimulus s;
+  const auto k = static_cast<uint32_t>(n + 300) + 251u * static_cast<uint32_t>(figure);
+  const auto saw = [](uint32_t step) { return 1e-3 * std::abs(static_cast<int>(step & 4095u) - 2048); };
+  const double jump = (k + 777u) & 2048u ? 0.1 : 0, here = saw(k), next = saw(k + 1);
+  s.seen_from = {0.16 * here + jump, 0.04 * here};
+  s.seen_to = {0.16 * next + jump, 0.04 * next};
+  s.visible = true;
+  s.seen_vergence = 0.05;
+  s.goal = {s.seen_to, 0.05, false};
+  return s;
+}
+
+void one_figure() {
+  const auto p = std::make_shared<Parameters>();
+  Gaze gaze(p);
+  int64_t n = 0;
+  const int steps = 20000;
+  double sum = 0;
+  const double filling = median(9, [&] {
+    for (int k = 0; k < steps; ++k) sum += meet(k, 3).seen_to.x;
+  });
+  const double whole = median(9, [&] {
+    for (int k = 0; k < steps; ++k) gaze.advance(meet(n++, 3));
+  });
+  const double ns = 1e9 * (whole - filling) / steps;
+  std::printf("whole model, one figure        %8.1f ns/ms   %6.1f ns per eye-axis ms   (checksum %.3g)\n", ns, ns / 4,
+              sum + gaze.aim().version.x);
+}
+
+void schemes() {
+  const Parameters p;
+  const loop::Target ramp = [](double t, bool right) { return (right ? t >= 0 : t > 0) ? 10 * deg : 0; };
+  for (loop::Scheme scheme : loop::schemes) {
+    const double time = median(9, [&] { (void)loop::solve(scheme, p, ramp, 0.001, 3); });
+    std::printf("pursuit loop alone, %-11s%8.1f ns/ms of one axis\n", std::string(word(scheme)).c_str(),
+                1e9 * time / 3000);
+  }
+}
+
+// `count` figures over one simulated second in ticks of 1/60 s, figure by figure within a tick
+void crowd(int count) {
+  const auto p = std::make_shared<Parameters>();
+  std::vector<std::unique_ptr<Gaze>> gazes;
+  for (int k = 0; k < count; ++k) gazes.push_back(std::make_unique<Gaze>(p));
+  const double start = processor_time();
+  for (int tick = 1; tick <= 60; ++tick) {
+    const int64_t end = 1000 * tick / 60;
+    for (int k = 0; k < count; ++k) {
+      while (gazes[static_cast<size_t>(k)]->step() < end) {
+        gazes[static_cast<size_t>(k)]->advance(meet(gazes[static_cast<size_t>(k)]->step(), k));
+      }
+    }
+  }
+  const double time = processor_time() - start;
+  std::printf("whole model, %5d figures      %8.3f s of one core per simulated second, %6.1f ns per eye-axis ms\n",
+              count, time, 1e9 * time / (4000.0 * count));
+}
+
+// the same number of pursuit loops (horizontal and vertical of each figure), structure of arrays
+void blocks(int count) {
+  const Parameters p;
+  std::vector<PursuitBlock> all(static_cast<size_t>(count * 2 / PursuitBlock::lanes), PursuitBlock(p));
+  double target[PursuitBlock::lanes];
+  for (int lane = 0; lane < PursuitBlock::lanes; ++lane) target[lane] = 0.05 * (lane + 1);
+  const double start = processor_time();
+  for (int tick = 1; tick <= 60; ++tick) {
+    const int steps = 1000 * tick / 60 - 1000 * (tick - 1) / 60;
+    for (PursuitBlock& block : all) {
+      for (int k = 0; k < steps; ++k) block.advance(target);
+    }
+  }
+  const double time = processor_time() - start;
+  std::printf("pursuit in blocks of %d, %5d figures %6.3f s of one core per simulated second, %5.1f ns per axis ms\n",
+              PursuitBlock::lanes, count, time, 1e9 * time / (2000.0 * count));
+}
+
+}  // namespace
+
+int main() {
+  std::printf("processor time, medians; the machine may be shared\n");
+  one_figure();
+  schemes();
+  crowd(1000);
+  crowd(10000);
+  blocks(10000);
+  return 0;
+}

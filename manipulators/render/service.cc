@@ -52,6 +52,8 @@ Service::Service(kit::Manipulator& me) : me_(me), feed_(me.world().subscribe()) 
   me_.on_verb("snapshot", [this](Words words) { return snapshot(words); });
   me_.on_verb("sheet", [this](Words words) { return sheet(words); });
   me_.on_verb("movie", [this](Words words) { return movie(words); });
+  me_.on_verb("export", [this](Words words) { return export_scene(words); });
+  me_.on_verb("animate", [this](Words words) { return animate(words); });
   me_.on_verb("window", [this](Words words) { return window(words); });
   me_.on_verb("bind", [this](Words words) { return bind(words); });
   me_.on_verb("unbind", [this](Words words) { return unbind(words); });
@@ -180,6 +182,37 @@ Service::Reply Service::movie(Words words) {
   return std::string();
 }
 
+Service::Reply Service::export_scene(Words words) {
+  if (words.size() != 1 || !words[0].text.ends_with(".glb")) {
+    return Error{ErrorKind::syntax, "expected one .glb file: export FILE.glb", words.empty() ? 1 : words.back().column};
+  }
+  Gltf gltf;
+  gltf.moment(me_.world(), studio_.stage().compose(me_.world(), nullptr, now_), studio_.stage().skins(), now_);
+  if (std::string problem = gltf.write(std::string(words[0].text)); !problem.empty()) return io(problem);
+  return std::string();
+}
+
+Service::Reply Service::animate(Words words) {
+  if (words.size() == 1 && words[0].text == "off") {
+    if (!animation_) return Error{ErrorKind::unknown, "no movement is being recorded", words[0].column};
+    const std::string problem = animation_->write(animation_file_);
+    const std::string body = animation_file_ + ": " + std::to_string(animation_->moments()) + " moments\n";
+    animation_.reset();
+    if (!problem.empty()) return io(problem);
+    return body;
+  }
+  if (words.size() != 1 || !words[0].text.ends_with(".glb")) {
+    return Error{ErrorKind::syntax, "expected one .glb file, or off: animate FILE.glb",
+                 words.empty() ? 1 : words.back().column};
+  }
+  if (animation_)
+    return Error{ErrorKind::busy, animation_file_ + " is being recorded; say animate off first", words[0].column};
+  animation_ = std::make_unique<Gltf>();
+  animation_file_ = words[0].text;
+  animation_->moment(me_.world(), studio_.stage().compose(me_.world(), nullptr, now_), studio_.stage().skins(), now_);
+  return std::string();
+}
+
 Service::Reply Service::window(Words words) {
   auto request = parse_request(me_.world(), words, {"size", "with"});
   if (!request) return request.error();
@@ -281,6 +314,8 @@ void Service::tick(const kit::Tick& tick) {
   now_ = tick.time;
   studio_.stage().trails().record(me_.world(), now_);
   show();
+  if (animation_)
+    animation_->moment(me_.world(), studio_.stage().compose(me_.world(), nullptr, now_), studio_.stage().skins(), now_);
   if (!movie_) return;
   const int due = movie_->due(now_);
   if (due <= 0) return;

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "manipulators/kit/manipulator.h"
+#include "manipulators/render/gltf.h"
 #include "manipulators/render/movie.h"
 #include "manipulators/render/speaker.h"
 #include "manipulators/render/studio.h"
@@ -28,6 +29,8 @@ class Service {
   Reply movie(objdb::Words words);
   /// Adds the world as it is to the film, so many times.
   void film(int frames);
+  Reply export_scene(objdb::Words words);
+  Reply animate(objdb::Words words);
   Reply window(objdb::Words words);
   Reply bind(objdb::Words words);
   Reply unbind(objdb::Words words);
@@ -44,6 +47,8 @@ class Service {
   // the film's request, with its objects by path because they may be deleted while it runs
   Request film_;
   std::string film_camera_, film_view_;
+  std::unique_ptr<Gltf> animation_;
+  std::string animation_file_;
   std::unique_ptr<Speaker> speaker_;
   std::unique_ptr<Window> window_;
   std::string window_view_;

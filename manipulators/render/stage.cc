@@ -189,25 +189,30 @@ void Stage::add_lights(const Database& world, Scene& scene) {
   // 1 lights white paper fully once exposed
   constexpr float full = 2.1f;
   std::vector<Light> shadowless;
-  bool any = false;
+  int lamps = 0;
+  bool has_ambient = false;
   for (const Object* object : all_of(world, "light")) {
     if (!visible(world, *object)) continue;
-    any = true;
     const auto intensity = static_cast<float>(real_of(*object, "intensity", 1));
     const Eigen::Vector3f color = linear_of(vector_of(*object, "color", Eigen::Vector3f::Ones()));
     const Eigen::Isometry3f X_W = frame_of(world, *object).cast<float>();
     const std::string_view kind = word_of(*object, "kind", "sun");
     if (kind == "ambient") {
       scene.surroundings.ambient = intensity;
+      has_ambient = true;
       continue;
     }
+    ++lamps;
     Light light;
     light.distant = kind != "point";
     light.toward = light.distant ? Eigen::Vector3f(-X_W.linear().col(2)) : Eigen::Vector3f(X_W.translation());
+    // a sun that was put somewhere and not turned shines from there to the origin
+    const bool turned = !X_W.linear().isIdentity(1e-6f);
+    if (light.distant && !turned && X_W.translation().norm() > 1e-3f) light.toward = X_W.translation().normalized();
     light.color = color * (intensity * full);
     (flag_of(*object, "shadows", true) && scene.lights.empty() ? scene.lights : shadowless).push_back(light);
   }
-  if (!any) {
+  if (lamps == 0 && !has_ambient) {
     scene.lights = three_point_lights();
     return;
   }
@@ -215,6 +220,11 @@ void Stage::add_lights(const Database& world, Scene& scene) {
   if (scene.lights.empty() && !shadowless.empty())
     scene.lights.push_back({Eigen::Vector3f::UnitY(), true, Eigen::Vector3f::Zero()});
   scene.lights.insert(scene.lights.end(), shadowless.begin(), shadowless.end());
+  // a single lamp and nothing said about the rest: the usual fill and rim help it
+  if (lamps == 1 && !has_ambient) {
+    const std::vector<Light> usual = three_point_lights();
+    scene.lights.insert(scene.lights.end(), usual.begin() + 1, usual.end());
+  }
 }
 
 Scene Stage::compose(const Database& world, const Object* view, double time) {

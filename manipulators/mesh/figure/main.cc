@@ -69,7 +69,7 @@ int main(int argc, char** argv) {
   app.add_option("--neck", neck_file, "neck as `head_ik --figure-neck full` prints it");
   app.add_flag("--neck-options", print_neck,
                "print the options of head_ik that put its neck (of scale 1, --neck) in place");
-  app.add_option("--out", folder, "write skeleton.dlg, body.dlg, cap.obj and the shoes into this folder");
+  app.add_option("--out", folder, "write skeleton.dlg, gaze.dlg, body.dlg, cap.obj and the shoes into this folder");
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
@@ -105,6 +105,7 @@ int main(int argc, char** argv) {
     const figure::Skeleton skeleton = figure::make_skeleton(*marks, *neck);
     const std::filesystem::path out(folder);
     const bool written = save(out / "skeleton.dlg", figure::skeleton_script(skeleton, *marks)) &&
+                         save(out / "gaze.dlg", figure::gaze_script(*marks)) &&
                          save(out / "body.dlg", figure::body_script(skeleton, *marks, file)) &&
                          save_worn(out, *body, *marks);
     return written ? 0 : 1;

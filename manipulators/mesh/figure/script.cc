@@ -150,6 +150,23 @@ std::string body_script(const Skeleton& skeleton, const Landmarks& marks, const 
   text += "create mesh cap file cap.obj parent head color 0.96 0.96 0.94\n";
   text += "create mesh right_shoe file right_shoe.obj parent right_foot color 0.10 0.095 0.095\n";
   text += "create mesh left_shoe file left_shoe.obj parent left_foot color 0.10 0.095 0.095\n";
+  for (const char* side : {"right", "left"}) {
+    text += std::string("create eyeball ") + side + "_eyeball parent " + side + "_eye_socket radius " +
+            number(marks.eye_radius) + " iris " + number(0.49 * marks.eye_radius) + " pupil " +
+            number(0.17 * marks.eye_radius) + "\n";
+  }
+  return text;
+}
+
+std::string gaze_script(const Landmarks& marks) {
+  const Vector3d eye = marks.eye - marks.skull;
+  std::string text =
+      "# The sailor's eyes and what moves them and the head. Made by scripts/figures/make; the types are declared by\n"
+      "# head_ik and eye_control. Needs skeleton.dlg; body.dlg, when it is there, comes before.\n";
+  text += "create neck neck root thorax tip head sight " + words(Vector3d(0, eye.y(), eye.z())) + "\n";
+  text += "create eye right_eye parent head position " + words(Vector3d(-eye.x(), eye.y(), eye.z())) + "\n";
+  text += "create eye left_eye parent head position " + words(eye) + "\n";
+  text += "create gaze gaze left left_eye right right_eye head head neck neck\n";
   return text;
 }
 

@@ -18,4 +18,7 @@ std::string skeleton_script(const Skeleton& skeleton, const Landmarks& landmarks
 /// The lines `create bone`, `create skin`, `create garment` and `create mesh` that draw the body `file`.
 std::string body_script(const Skeleton& skeleton, const Landmarks& landmarks, const std::string& file);
 
+/// The lines that put eyes into the sockets and a gaze and a neck in charge of them.
+std::string gaze_script(const Landmarks& landmarks);
+
 }  // namespace figure

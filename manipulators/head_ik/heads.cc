@@ -77,7 +77,9 @@ Matrix3d rotation_of(const objdb::scene::Transform& x) {
 
 std::string degrees(double angle) {
   char text[32];
-  std::snprintf(text, sizeof text, "%.1f deg", angle * 180 / M_PI);
+  // no minus sign on what rounds to zero
+  const double tenths = std::round(angle * 1800 / M_PI);
+  std::snprintf(text, sizeof text, "%.1f deg", tenths == 0 ? 0 : tenths / 10);
   return text;
 }
 

@@ -271,7 +271,13 @@ void Eyes::move(const Object& object, Pair& pair, const kit::Tick& now) {
 void Eyes::show(const Object& object, const Pair& pair, const Sockets& sockets, const Wish& wish,
                 const HeadPose& head) {
   const Gaze& gaze = *pair.gaze;
-  const Gaze::Eyes eyes = gaze.eyes();
+  const double range = gaze.parameters().range;
+  Aim aim = gaze.aim();
+  // geometry alone is asked for at the very time of the tick
+  if (gaze.parameters().method == Method::snap && wish.any) {
+    aim = aim_at(sight_of_point(wish.place, head), sockets.distance, range);
+  }
+  const Gaze::Eyes eyes = gaze.eyes(aim);
   auto& scene = me_.world().scene();
   double error = 0;
   const struct {
@@ -296,7 +302,6 @@ void Eyes::show(const Object& object, const Pair& pair, const Sockets& sockets, 
     error = std::max(error, std::atan2(line.cross(to).norm(), line.dot(to)));
   }
 
-  const double range = gaze.parameters().range;
   const bool beyond = wish.any && aim_at(sight_of_point(wish.place, head), sockets.distance, range).beyond;
   me_.set_word(object, "status", !wish.any ? "no_target" : beyond ? "out_of_range" : "ok");
   me_.set(object, "reason",
@@ -304,7 +309,7 @@ void Eyes::show(const Object& object, const Pair& pair, const Sockets& sockets, 
                   : "the target lies more than " + objdb::number(std::round(range / deg)) + " deg from straight ahead");
   me_.set_word(object, "mode", word(gaze.mode()));
   me_.set(object, "gaze_error", error);
-  me_.set(object, "vergence", gaze.aim().vergence);
+  me_.set(object, "vergence", aim.vergence);
   const Vec2 trust = gaze.trust();
   me_.set(object, "trust", std::max(trust.x, trust.y));
   me_.set(object, "saccades", gaze.saccades());

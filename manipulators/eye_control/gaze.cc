@@ -198,17 +198,16 @@ Aim Gaze::aim() const {
   return {now.position, now.vergence, false};
 }
 
-Gaze::Eyes Gaze::eyes() const {
-  const Moment& now = memory_[n_];
+Gaze::Eyes Gaze::eyes(const Aim& aim) const {
   const auto turned = [&](double side) {
-    const Vec2 angles{now.position.x + side * 0.5 * now.vergence, now.position.y};
+    const Vec2 angles{aim.version.x + side * 0.5 * aim.vergence, aim.version.y};
     return helmholtz_direction(within_range(angles, p_.eye_range));
   };
   Eyes eyes;
   eyes.left_direction = turned(1);
   eyes.right_direction = turned(-1);
   // with vergence the Listing planes turn outwards: the left eye's primary direction to the left
-  const double tilt = p_.listing_tilt * 0.5 * now.vergence;
+  const double tilt = p_.listing_tilt * 0.5 * aim.vergence;
   eyes.left = listing(eyes.left_direction, -tilt);
   eyes.right = listing(eyes.right_direction, tilt);
   return eyes;

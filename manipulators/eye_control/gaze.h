@@ -70,7 +70,9 @@ class Gaze {
     Eigen::Vector3d left_direction, right_direction;
     Eigen::Quaterniond left, right;
   };
-  Eyes eyes() const;
+  Eyes eyes() const { return eyes(aim()); }
+  /// The same for an aim that the eyes need not have.
+  Eyes eyes(const Aim& aim) const;
 
   const Parameters& parameters() const { return *parameters_; }
 

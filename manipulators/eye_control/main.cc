@@ -99,6 +99,18 @@ int simulate(const Options& options) {
   return out ? 0 : complain(bad_data, options.out + ": error io the file cannot be written to its end");
 }
 
+// the parameters as a table, for the documentation and for people
+int list_parameters() {
+  const eye::Parameters defaults;
+  std::cout << "| parameter | unit | default | from | to | what it is | source |\n|---|---|---|---|---|---|---|\n";
+  for (const eye::Parameter& p : eye::parameter_table()) {
+    std::cout << "| `" << p.name << "` | " << p.unit;
+    for (double number : {defaults.*p.value, p.low, p.high}) std::cout << " | " << number;
+    std::cout << " | " << p.doc << " | " << p.source << " |\n";
+  }
+  return 0;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -114,11 +126,14 @@ int main(int argc, char** argv) {
       ->check(CLI::IsMember({"world", "head"}));
   app.add_option("--out", options.out, "the trace (CSV); - is standard output");
   app.add_option("--chart", options.chart, "measure what docs/charts shows and write it into this folder (CSV)");
+  bool parameters = false;
+  app.add_flag("--parameters", parameters, "list the parameters: units, defaults, bounds and sources");
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : bad_usage;
   }
+  if (parameters) return list_parameters();
   if (!options.chart.empty()) {
     const auto written = eye::write_charts(options.chart);
     return written ? 0 : complain(bad_data, written.error().sentence);

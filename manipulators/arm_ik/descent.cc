@@ -47,7 +47,8 @@ ARM_IK_INLINE DescentResult descend_body(const Packed& chain, const Goal& goal, 
   Held held;
   StepBox box;
   alignas(64) double dq[Packed::capacity];
-  for (int i = 0; i < 4 * chain.blocks; ++i) state->q[i] = i < chain.n ? q[i] : 0;
+  for (int i = 0; i < chain.n; ++i) state->q[i] = std::clamp(q[i], chain.lower[i], chain.upper[i]);
+  for (int i = chain.n; i < 4 * chain.blocks; ++i) state->q[i] = 0;
   for (int i = chain.n; i < 4 * chain.blocks; ++i) system.Jv[i] = system.Jw[i] = Real4{};
   const Frame wanted = {load<4>(goal.frame), load<4>(goal.frame + 4), load<4>(goal.frame + 8),
                         load<4>(goal.frame + 12)};

@@ -39,7 +39,7 @@ struct DescentResult {
 /// The angle [rad] of a turn from its chord 2 sin(angle / 2).
 double angle_of_chord(double chord);
 
-/// Projected Levenberg-Marquardt from q (#joints, within the limits; overwritten by the best posture found).
+/// Projected Levenberg-Marquardt from q (#joints, brought inside the limits; overwritten by the best posture found).
 /// Every step solves min |J dq - e|^2 + damping |dq|^2 with the joints that would pass a limit held at it, one round
 /// for each new one (active set). The damping is proportional to the squared error, which keeps convergence quadratic
 /// at singular postures too. A step that does not lower the error is taken back and damped more. Cost: about 0.2 us a

@@ -66,7 +66,11 @@ Solution Engine::automatic(const Goal& goal, const SolveOptions& options, std::s
 }
 
 Solution Engine::polish(const Goal& goal, const SolveOptions& options, std::span<double> q) {
-  Solution out = solver_.full_then_reach(goal, options, q);
+  // from so near that rounding is all that can stop the way down
+  SolveOptions near = options;
+  near.position_tolerance = std::min(options.position_tolerance, 1e-8);
+  near.rotation_tolerance = std::min(options.rotation_tolerance, 1e-7);
+  Solution out = solver_.full_then_reach(goal, near, q);
   out.method = Method::polish;
   if (out.status != Status::reached) return out;
   // no tolerance is small enough: the descent ends when rounding lets no step lower the error

@@ -2,6 +2,7 @@
 #include <cstdlib>
 
 #include "manipulators/arm_ik/arms.h"
+#include "manipulators/arm_ik/chart.h"
 #include "manipulators/arm_ik/figure_arm.h"
 #include "manipulators/arm_ik/solve_command.h"
 #include "objdb/unit.h"
@@ -57,6 +58,8 @@ int main(int argc, char** argv) {
       ->capture_default_str();
   app.add_option("--seed", solve.seed, "of random starts")->needs(solving)->capture_default_str();
   app.add_option("--out", solve.out, "result file; standard output if not given")->needs(solving);
+  std::string chart_folder;
+  app.add_option("--chart", chart_folder, "measure all methods (and the peers that were built) into this folder");
   arm_ik::FigureArm figure;
   std::string side;
   std::vector<double> position{0, 0, 0};
@@ -87,6 +90,7 @@ int main(int argc, char** argv) {
     solve.targets = files[1];
     return arm_ik::run(solve);
   }
+  if (!chart_folder.empty()) return arm_ik::chart(chart_folder);
   if (!side.empty()) {
     figure.side = side == "left" ? kinematics::Side::left : kinematics::Side::right;
     figure.position = {position[0], position[1], position[2]};

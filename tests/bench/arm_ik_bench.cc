@@ -6,11 +6,9 @@
 #include <cstdlib>
 #include <filesystem>
 
-#include "manipulators/arm_ik/engine.h"
+#include "manipulators/arm_ik/contestants.h"
 #include "manipulators/arm_ik/limb.h"
-#include "manipulators/arm_ik/measure.h"
 #include "manipulators/arm_ik/random.h"
-#include "manipulators/arm_ik/tracker.h"
 #include "manipulators/kinematics/arm11.h"
 #include "manipulators/kinematics/chain_file.h"
 
@@ -22,22 +20,6 @@ using kinematics::Pose;
 
 constexpr double tick = 0.01;         // [s]
 constexpr double peer_budget = 5e-3;  // [s]
-
-Contestant ours(Engine& engine, Method method) {
-  return {std::string(name_of(method)),
-          [&engine, method](const Pose& target, double position, double rotation, std::span<double> q) {
-            SolveOptions options;
-            options.position_tolerance = position;
-            options.rotation_tolerance = rotation;
-            (void)engine.solve(method, Goal(target, true), options, q);
-          }};
-}
-
-Contestant theirs(Peer& peer) {
-  return {peer.name(), [&peer](const Pose& target, double position, double rotation, std::span<double> q) {
-            peer.solve(target, position, rotation, peer_budget, q);
-          }};
-}
 
 void print(const std::string& set, const std::string& name, const Score& s) {
   std::printf("%-22s %-13s %8d %7d %10.2f %10.2f %11.1e %9.1e\n", set.c_str(), name.c_str(), s.targets, s.failed,
@@ -57,10 +39,10 @@ void sets_of(const Chain& chain, int count, int peer_count) {
   const auto row = [&](ProblemSet set, Method method, double position, const std::string& label, int passes) {
     const auto list = problems(chain, set, count, 7);
     print(chain.name + " " + label, name_of(method).data(),
-          measure(chain, list, ours(engine, method), position, 10 * position, passes));
+          measure(chain, list, contestant(engine, method), position, 10 * position, passes));
     const std::vector<Problem> few(list.begin(), list.begin() + std::min<std::ptrdiff_t>(peer_count, count));
     for (const auto& peer : peers)
-      print("", peer->name(), measure(chain, few, theirs(*peer), position, 10 * position, 1));
+      print("", peer->name(), measure(chain, few, contestant(*peer, peer_budget), position, 10 * position, 1));
   };
   row(ProblemSet::random, Method::reach, 1e-5, "random", 2);
   row(ProblemSet::warm, Method::automatic, 1e-5, "warm", 3);
@@ -78,7 +60,7 @@ void a_million(const Chain& chain) {
   constexpr int rounds = 20;
   for (int round = 0; round < rounds; ++round) {
     const Score s = measure(chain, problems(chain, ProblemSet::random, 50000, 1000 + round),
-                            ours(engine, Method::reach), 1e-5, 1e-4, 1);
+                            contestant(engine, Method::reach), 1e-5, 1e-4, 1);
     all.targets += s.targets;
     all.failed += s.failed;
     median += s.median / rounds;
@@ -89,30 +71,16 @@ void a_million(const Chain& chain) {
   print(chain.name + " a million", "reach", all);
 }
 
-Follower tracker_of(const Chain& chain, const Packed& packed, double rate) {
-  std::vector<double> posture;
-  for (const kinematics::Joint& joint : chain.joints) posture.push_back(0.5 * (joint.lower + joint.upper));
-  TrackOptions options;
-  options.rate = rate;
-  return {"tracker", [&packed, posture, options](const Pose& target, std::span<double> q) {
-            (void)Tracker(packed).follow(Goal(target, true), options, posture, tick, q);
-          }};
-}
-
 void tracking(const Chain& chain, std::uint64_t seed) {
   const Packed packed(chain);
-  const auto ours_of = [&](double largest) { return tracker_of(chain, packed, 2 * largest / tick); };
+  const auto ours_of = [&](double largest) { return follower(chain, packed, 2 * largest / tick); };
   print(chain.name + " courses " + std::to_string(seed), "tracker", track(chain, 10, seed, ours_of));
-  print(chain.name + " out and back", "tracker", out_and_back(chain, 10, seed, tracker_of(chain, packed, 10)));
+  print(chain.name + " out and back", "tracker", out_and_back(chain, 10, seed, follower(chain, packed, 10)));
 }
 
 void tracking_peers(const Chain& chain, std::uint64_t seed) {
   for (const auto& peer : peers_for(chain)) {
-    const auto follow = [&](double) {
-      return Follower{peer->name(),
-                      [&](const Pose& target, std::span<double> q) { peer->solve(target, 1e-5, 1e-4, 1e-3, q); }};
-    };
-    print("", peer->name(), track(chain, 1, seed, follow));
+    print("", peer->name(), track(chain, 1, seed, [&](double) { return follower(*peer, 1e-3); }));
   }
 }
 

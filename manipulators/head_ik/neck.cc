@@ -377,7 +377,9 @@ void Neck::approach(const Matrix3d& M, Solution* solution) const {
     auto llt = H.llt();
     while (llt.info() != Eigen::Success || llt.rcond() < 1e-10) {
       shift = shift == 0 ? 1e-3 * scale : 4 * shift;
-      llt.compute(H + shift * decltype(H)::Identity(H.rows(), H.cols()));
+      auto raised = H;
+      raised.diagonal().array() += shift;
+      llt.compute(raised);
     }
     auto step = (-llt.solve(g)).eval();
     step *= std::min(1.0, 0.5 / step.norm());

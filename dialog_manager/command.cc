@@ -1,5 +1,7 @@
 #include "dialog_manager/command.h"
 
+#include <tsl/robin_map.h>
+
 namespace manager {
 
 std::string_view Call::rest(std::size_t index) const {
@@ -13,9 +15,13 @@ objdb::Error Call::error(int index, objdb::ErrorKind kind, std::string sentence)
 }
 
 const Command* find_command(std::string_view name) {
-  for (const Command* command : commands())
-    if (command->name == name) return command;
-  return nullptr;
+  static const auto index = [] {
+    tsl::robin_map<std::string_view, const Command*> out;
+    for (const Command* command : commands()) out.emplace(command->name, command);
+    return out;
+  }();
+  const auto found = index.find(name);
+  return found == index.end() ? nullptr : found->second;
 }
 
 }  // namespace manager

@@ -8,11 +8,10 @@
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
-#include <fstream>
 #include <iostream>
-#include <sstream>
 
 #include "dialog_manager/manager.h"
+#include "dialog_manager/script_file.h"
 
 namespace {
 
@@ -28,33 +27,13 @@ void open_standard_streams() {
   }
 }
 
-bool read_file(const std::string& path, std::string& text, std::string& why) {
-  struct stat status {};
-  if (::stat(path.c_str(), &status) != 0) {
-    why = std::strerror(errno);
-    return false;
-  }
-  if (S_ISDIR(status.st_mode)) {
-    why = "it is a folder";
-    return false;
-  }
-  std::ifstream file(path, std::ios::binary);
-  std::stringstream content;
-  if (!file || !(content << file.rdbuf()).good()) {
-    // an empty file sets failbit on <<, and is a script all the same
-    if (file.is_open() && status.st_size == 0) return true;
-    why = "it cannot be read";
-    return false;
-  }
-  text = content.str();
-  return true;
-}
-
 }  // namespace
 
 int main(int argc, char** argv) {
   open_standard_streams();
+  // a broken pipe and a full quota are errors of a write, not ends of the program
   ::signal(SIGPIPE, SIG_IGN);
+  ::signal(SIGXFSZ, SIG_IGN);
 
   manager::Options options;
   std::vector<std::string> scripts, commands;
@@ -66,6 +45,13 @@ int main(int argc, char** argv) {
   app.add_flag("--framed", options.framed, "replies for programs: framed and tagged");
   app.add_flag("--keep-going", options.keep_going, "go on after an error (the exit status is 1 all the same)");
   app.add_option("--seed", options.seed, "given to every program (default 0)");
+  CLI::Option* journal_option = app.add_option("--journal", options.journal, "keep every accepted line in this file");
+  app.add_option("--resume", options.resume, "go on where this journal ends")->excludes(journal_option);
+  std::string pace = "fast";
+  app.add_option("--pace", pace, "fast, realtime, or simulated seconds a second");
+  app.add_flag("--check", options.check, "read and check scripts and commands, change nothing");
+  bool no_rc = false;
+  app.add_flag("--norc", no_rc, "do not read ~/.dialog_managerrc at the prompt");
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
@@ -73,18 +59,29 @@ int main(int argc, char** argv) {
     return status == 0 ? 0 : 2;
   }
 
+  if (pace == "realtime") {
+    options.pace = 1;
+  } else if (pace != "fast") {
+    const objdb::Result<double> value = objdb::parse_real(pace, {});
+    if (!value || !(*value > 0)) {
+      std::cerr << "--pace: " << pace << " is no pace, expected fast, realtime or a number above 0\n";
+      return 2;
+    }
+    options.pace = *value;
+  }
   options.program_folder = std::filesystem::read_symlink("/proc/self/exe").parent_path().string();
   // scripts and commands run in the order in which they stand
   std::size_t next_script = 0, next_command = 0;
   for (const CLI::Option* option : app.parse_order()) {
     if (option == script_option && next_script < scripts.size()) {
-      manager::Options::Text text{scripts[next_script++], {}, true};
-      std::string why;
-      if (!read_file(text.name, text.text, why)) {
-        std::cerr << "dialog_manager: error io " << text.name << " cannot be read: " << why << "\n";
+      const std::string& name = scripts[next_script++];
+      const objdb::Result<std::string> path = manager::find_script(name, "", options.program_folder);
+      const objdb::Result<std::string> text = path ? manager::read_script(*path) : path;
+      if (!text) {
+        std::cerr << "dialog_manager: error io " << text.error().sentence << "\n";
         return 2;
       }
-      options.texts.push_back(std::move(text));
+      options.texts.push_back({*path, *text, true});
     } else if (option == command_option && next_command < commands.size()) {
       options.texts.push_back({"-c", commands[next_command++], false});
     }

@@ -9,6 +9,9 @@
 #include <csignal>
 #include <cstring>
 #include <filesystem>
+#include <limits>
+
+#include "dialog_manager/replay.h"
 
 namespace manager {
 namespace {
@@ -38,8 +41,7 @@ class Asked : public Operation {
 };
 
 Error unknown_verb(const Manager& manager, const Word& verb) {
-  if (verb.quoted)
-    return {ErrorKind::syntax, shown(verb.text) + " is quoted, expected a verb as a bare word", verb.column};
+  if (verb.quoted) return {ErrorKind::unknown, "no verb " + shown(verb.text) + ": a verb is a bare word", verb.column};
   std::vector<std::string_view> names;
   for (const Command* command : commands()) names.push_back(command->name);
   for (const auto& manipulator : manager.manipulators())
@@ -56,6 +58,7 @@ Manager::Manager(Options options)
       errors_(loop_, STDERR_FILENO, channel::Descriptor::shared),
       source_names_{"manager"} {
   world.keep_history(history_limit);
+  clock.set_pace(options_.pace);
   loop_.on_signal({SIGINT, SIGTERM, SIGHUP}, [this](int signal) {
     signal_ = signal;
     quitting_ = true;
@@ -102,6 +105,7 @@ std::string Manager::source_name(std::uint16_t id) const { return id < source_na
 // -- the loop
 
 int Manager::run() {
+  if (!open_journals()) return 1;
   while (!quitting_) {
     const bool did = step();
     if (all_read()) break;
@@ -182,6 +186,8 @@ std::optional<Wall::time_point> Manager::next_deadline() const {
 }
 
 void Manager::flush() {
+  // first the journal, then what acknowledges it
+  if (journal_) journal_->flush(false);
   for (const auto& manipulator : manipulators_) manipulator->flush();
   out_.flush();
   errors_.flush();
@@ -211,9 +217,16 @@ Outcome Manager::execute(Source& source, Session* session, const LineWords& word
   if (command->effect == Effect::time && in_transaction())
     return Error{ErrorKind::busy, std::string(command->name) + " makes time pass: commit or rollback first",
                  all[0].column};
+  if (options_.check && command->effect != Effect::change) return check_only(call, *command);
+  const bool kept = journal_ != nullptr && !replaying_ && is_journaled(*command);
+  if (kept)
+    if (Status room = journal_->reserve(line.size() + source.name.size() + scope.prefix.size() + 256); !room)
+      return room;
   if (command->effect != Effect::change) {
     monitor(source, line);
-    return command->run(call);
+    Outcome outcome = command->run(call);
+    if (kept && outcome.status) journal(source, scope.prefix, line);
+    return outcome;
   }
 
   world.speak_as({lines.add(line), static_cast<std::uint32_t>(clock.tick() + (tick_in_flight() ? 1 : 0)), source.id});
@@ -225,6 +238,7 @@ Outcome Manager::execute(Source& source, Session* session, const LineWords& word
     return outcome;
   }
   monitor(source, line);
+  if (kept) journal(source, scope.prefix, line);
   if (world.mark() != mark && !in_transaction() && !tick_in_flight()) {
     undo_marks_.push_back(mark);
     redo_.clear();
@@ -232,7 +246,19 @@ Outcome Manager::execute(Source& source, Session* session, const LineWords& word
   return outcome;
 }
 
+// --check makes the objects of a script, so that what is said of them can be checked; nothing else happens
+Outcome Manager::check_only(Call& call, const Command& command) {
+  if (command.name == "source" || command.name == "start") return command.run(call);
+  if (command.name == "expect" || command.name == "wait" || command.name == "when") {
+    std::size_t used = 0;
+    const Result<Condition> condition = Condition::parse(world, call.words, call.scope, used);
+    if (!condition) return condition.error();
+  }
+  return {};
+}
+
 Outcome Manager::forward(Call& call, Manipulator& manipulator, const Manipulator::Verb& verb) {
+  if (options_.check) return {};
   if (call.session == nullptr)
     return Error{ErrorKind::busy,
                  verb.name + " is a verb of " + manipulator.name + ": only people and scripts can say it",
@@ -261,7 +287,11 @@ Outcome Manager::forward(Call& call, Manipulator& manipulator, const Manipulator
                                                 : quote(word.text);
   }
   world.speak_as({lines.add(call.line), static_cast<std::uint32_t>(clock.tick()), call.source.id});
-  return std::make_unique<Asked>(addressed->name, addressed->ask(line));
+  const std::uint64_t number = addressed->ask(line);
+  Source asked;
+  asked.name = "ask";
+  journal(asked, "", addressed->name + " " + std::to_string(number) + " " + line);
+  return std::make_unique<Asked>(addressed->name, number);
 }
 
 void Manager::session_failed(Session& session) {
@@ -280,7 +310,135 @@ void Manager::stream_ended(Session& session) {
   if (transaction_ == &session) (void)roll_back(session);
 }
 
+int Manager::open_fifo(const std::string& path) {
+  // opened anew for the writers that come after the last one left: a FIFO that has seen its end says so for ever
+  return ::open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC | O_NOFOLLOW);
+}
+
+std::optional<Input> Manager::fifo_input(const std::string& path) {
+  const int descriptor = open_fifo(path);
+  if (descriptor < 0) return std::nullopt;
+  Input input;
+  input.name = path;
+  input.fifo = true;
+  input.live = std::make_unique<channel::Reader>(loop_, descriptor, channel::Descriptor::own, 4096);
+  return input;
+}
+
 void Manager::event(std::string_view text) { main_->event(text); }
+
+// -- memory
+
+void Manager::journal(const Source& source, std::string_view prefix, std::string_view line) {
+  if (journal_ == nullptr || replaying_) return;
+  // a line that was joined from several is kept as one
+  journal_->add(clock.tick() + (tick_in_flight() ? 1 : 0), source.name, prefix, line);
+}
+
+void Manager::close_tick_record() {
+  if (journal_ == nullptr || replaying_) return;
+  std::string line = "tick " + number(clock.time()) + " ";
+  static constexpr char digits[] = "0123456789abcdef";
+  const std::uint64_t value = hash();
+  for (int shift = 60; shift >= 0; shift -= 4) line += digits[(value >> shift) & 15];
+  journal_->add(clock.tick(), tick_source, "", line);
+  journal_->flush(true);
+}
+
+Status Manager::begin_journal(const std::string& path, Journal::Sync sync) {
+  Result<std::unique_ptr<Journal>> made =
+      Journal::create(path, sync, {clock.tick(), clock.time(), clock.rate(), options_.seed});
+  if (!made) return made.error();
+  const std::string world_text = save(world);
+  if (Status room = (*made)->reserve(world_text.size() + world_text.size() / 16 + 4096); !room) return room.error();
+  journal_ = std::move(*made);
+  // the world as it stands, said by the manager; then who moves it
+  Source self;
+  self.name = source_name(0);
+  std::string_view rest = world_text;
+  while (!rest.empty()) {
+    const std::size_t end = rest.find('\n');
+    journal(self, "", rest.substr(0, end));
+    rest.remove_prefix(end + 1);
+  }
+  for (const auto& manipulator : manipulators_)
+    if (manipulator->state() == Manipulator::State::active) journal(*main_, "", manipulator->command);
+  journal_->flush(true);
+  return {};
+}
+
+bool Manager::open_journals() {
+  const auto refuse = [&](const Error& error) {
+    errors_.write("dialog_manager: error " + std::string(name_of(error.kind)) + " " + error.sentence + "\n");
+    errors_.drain(std::chrono::seconds(1));
+    return false;
+  };
+  if (!options_.resume.empty()) {
+    Result<JournalText> text = read_journal(options_.resume);
+    if (!text) return refuse(text.error());
+    options_.seed = text->start.seed;
+    if (!text->flaw.empty())
+      event("event journal " + options_.resume + " " + text->flaw + "; what stands before it is taken up");
+    // nobody else may write it from now on
+    Result<std::unique_ptr<Journal>> journal =
+        Journal::resume(options_.resume, Journal::Sync::everysec, text->good, text->check);
+    if (!journal) return refuse(journal.error());
+    journal_ = std::move(*journal);
+    text->records = records_until(*text, std::numeric_limits<double>::infinity());
+    main_->await(replay(std::move(*text), true), options_.resume + ":1");
+  } else if (!options_.journal.empty()) {
+    if (Status begun = begin_journal(options_.journal, Journal::Sync::everysec); !begun) return refuse(begun.error());
+  }
+  return true;
+}
+
+void Manager::replay_tick() {
+  undo_marks_.clear();
+  redo_.clear();
+  clock.advance();
+  // what was put off has been said by the journal too
+  (void)schedule.take_due(clock.time(), world);
+}
+
+void Manager::end_replay(bool live) {
+  if (transaction_ != nullptr) (void)roll_back(*transaction_);
+  replaying_ = false;
+  if (live)
+    for (const auto& manipulator : manipulators_) manipulator->catch_up();
+  if (rewinding_ && journal_) {
+    Source self;
+    self.name = "rewind";
+    journal(self, "", number(*rewinding_));
+  }
+  rewinding_.reset();
+}
+
+Outcome Manager::rewind(double time) {
+  if (journal_ == nullptr) return Error{ErrorKind::io, "rewind needs a journal, expected journal FILE before", 0};
+  journal_->flush(true);
+  Result<JournalText> text = read_journal(journal_->path());
+  if (!text) return text.error();
+  if (!(time >= text->start.time - 1e-9 && time <= clock.time() + 1e-9))
+    return Error{
+        ErrorKind::range,
+        "the time is " + number(time) + ", expected " + number(text->start.time) + " to " + number(clock.time()) + " s",
+        0};
+  text->records = records_until(*text, time);
+  // an empty world, and nobody in it; then all again, up to there
+  while (!manipulators_.empty()) {
+    manipulators_.back()->kill();
+    manipulators_.pop_back();
+  }
+  stages_ = 0;
+  std::vector<ObjectId> all;
+  world.for_each("**", [&](const Object& object) { all.push_back(object.id); });
+  (void)world.erase(all, true);
+  schedule.clear();
+  undo_marks_.clear();
+  redo_.clear();
+  rewinding_ = time;
+  return replay(std::move(*text), true);
+}
 
 // -- speakers on FIFOs
 
@@ -293,26 +451,21 @@ Status Manager::listen(const std::string& path) {
   };
   const bool made = ::mkfifo(path.c_str(), 0600) == 0;
   if (!made && errno != EEXIST) return failed();
-  // open for writing too, so that the end of one writer is not the end of the stream
-  const int descriptor = ::open(path.c_str(), O_RDWR | O_NONBLOCK | O_CLOEXEC | O_NOFOLLOW);
-  if (descriptor < 0) return failed();
   struct stat status {};
-  ::fstat(descriptor, &status);
-  if (!S_ISFIFO(status.st_mode) || status.st_uid != ::geteuid() || (status.st_mode & 022) != 0) {
-    ::close(descriptor);
+  const bool ours = ::lstat(path.c_str(), &status) == 0 && S_ISFIFO(status.st_mode) && status.st_uid == ::geteuid() &&
+                    (status.st_mode & 022) == 0;
+  if (!ours)
     return Error{ErrorKind::io,
                  path + (S_ISFIFO(status.st_mode) ? " can be written by others, expected a FIFO of ours, mode 0600"
                                                   : " is no FIFO"),
                  0};
-  }
+  std::optional<Input> input = fifo_input(path);
+  if (!input) return failed();
   auto session = std::make_unique<Session>(path, Session::Style::people, out_, errors_);
   session->id = add_source(path);
   session->keep_going(true);
   session->limit_lines(4096);
-  Input input;
-  input.name = path;
-  input.live = std::make_unique<channel::Reader>(loop_, descriptor, channel::Descriptor::own, 4096);
-  session->enqueue(std::move(input));
+  session->enqueue(std::move(*input));
   speakers_.push_back(std::move(session));
   if (made) made_fifos_.push_back(path);
   return {};
@@ -450,6 +603,7 @@ bool Manager::step_tick() {
 void Manager::finish_tick() {
   stage_ = -1;
   clock.advance();
+  close_tick_record();
   ++counters.ticks;
   for (const auto& trace : traces_) trace->tick(world, clock.time());
   tell_watchers();
@@ -465,6 +619,7 @@ void Manager::break_tick(const Error& error) {
     for (const auto& manipulator : manipulators_) manipulator->abandon_tick();
     stage_ = -1;
     clock.advance();
+    close_tick_record();
   }
   const auto end = [&](Session& session) {
     if (session.operation() != nullptr && session.operation()->wants_tick(*this)) session.end_operation(*this, error);
@@ -475,10 +630,22 @@ void Manager::break_tick(const Error& error) {
 
 // -- programs
 
+// -- fidelity
+
+std::string Manager::Budget::line() const {
+  if (of == Of::nothing) return "budget off";
+  return std::string("budget ") + (of == Of::error ? "error " : "time ") + number(value);
+}
+
+void Manager::set_budget(const Budget& budget) {
+  budget_ = budget;
+  for (const auto& manipulator : manipulators_) manipulator->tell_budget();
+}
+
 // -- who looks on
 
 void Manager::monitor(const Source& source, std::string_view line) {
-  if (!monitored_ || &source == monitored_) return;
+  if (monitored_ == nullptr) return;
   monitored_->event("event said " + source.name + " " + std::string(line));
 }
 

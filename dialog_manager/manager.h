@@ -8,6 +8,7 @@
 #include "dialog_manager/channel/loop.h"
 #include "dialog_manager/clock.h"
 #include "dialog_manager/command.h"
+#include "dialog_manager/journal.h"
 #include "dialog_manager/line_log.h"
 #include "dialog_manager/manipulator.h"
 #include "dialog_manager/schedule.h"
@@ -30,6 +31,10 @@ struct Options {
   bool framed = false;
   bool keep_going = false;
   std::uint64_t seed = 0;
+  std::string journal;  ///< file to keep every accepted line in
+  std::string resume;   ///< journal to go on with
+  double pace = 0;
+  bool check = false;          ///< read and check everything, change nothing
   std::string program_folder;  ///< where dialog_manager lies: programs are looked for beside it
 };
 
@@ -68,6 +73,23 @@ class Manager {
   bool busy_for(const Session& session) const { return transaction_ != nullptr && transaction_ != &session; }
   bool in_transaction() const { return transaction_ != nullptr; }
 
+  // -- memory
+  /// Keeps every accepted line from now on, after the world as it stands. Errors: io, busy.
+  objdb::Status begin_journal(const std::string& path, Journal::Sync sync);
+  void end_journal() { journal_.reset(); }
+  Journal* journal() { return journal_.get(); }
+  /// Keeps a line that was accepted.
+  void journal(const Source& source, std::string_view prefix, std::string_view line);
+  bool replaying() const { return replaying_; }
+  void replaying(bool replaying) { replaying_ = replaying; }
+  void replay_tick();
+  /// The journal has been carried out; programs that were started on the way take up where they were.
+  void end_replay(bool live);
+  /// Goes back to a time of the journal. Errors: io, range.
+  Outcome rewind(double time);
+  Session* main_session() { return main_.get(); }
+  int stages() const { return stages_; }
+
   // -- more speakers, and who looks on
   /// Reads commands from a FIFO, made with mode 0600 when it is not there. Errors: exists, io, limit.
   objdb::Status listen(const std::string& path);
@@ -85,6 +107,16 @@ class Manager {
   struct Counters {
     std::uint64_t lines = 0, ticks = 0;
   } counters;
+
+  // -- fidelity
+  /// What the scene wants: at most this error (m, rad), or this time a tick (s); nothing when neither is said.
+  struct Budget {
+    enum class Of { nothing, error, time } of = Of::nothing;
+    double value = 0;
+    std::string line() const;
+  };
+  const Budget& budget() const { return budget_; }
+  void set_budget(const Budget& budget);
 
   // -- time
   bool tick_in_flight() const { return stage_ >= 0; }
@@ -109,6 +141,8 @@ class Manager {
   // -- sessions
   void session_failed(Session& session);
   void stream_ended(Session& session);
+  /// The FIFO from its next writer on; nothing when it is gone.
+  std::optional<Input> fifo_input(const std::string& path);
   void event(std::string_view text);
   channel::Writer& errors() { return errors_; }
   channel::Loop& loop() { return loop_; }
@@ -121,6 +155,8 @@ class Manager {
   std::uint64_t hash() { return world.hash(); }
 
  private:
+  static int open_fifo(const std::string& path);
+  Outcome check_only(Call& call, const Command& command);
   Outcome forward(Call& call, Manipulator& manipulator, const Manipulator::Verb& verb);
   bool step();
   bool step_sessions();
@@ -134,6 +170,8 @@ class Manager {
   void flush();
   void monitor(const Source& source, std::string_view line);
   void tell_watchers();
+  bool open_journals();
+  void close_tick_record();
   void end_programs();
   void open_streams();
 
@@ -155,6 +193,12 @@ class Manager {
   std::optional<objdb::Database::FeedId> watch_feed_;
   std::vector<std::unique_ptr<Trace>> traces_;
   Session* monitored_ = nullptr;
+  std::unique_ptr<Journal> journal_;
+  Budget budget_;
+  bool replaying_ = false;
+  std::optional<double> rewinding_;  // to note in the journal when it is done
+  std::size_t resume_good_ = 0;
+  std::uint64_t resume_check_ = 0;
 
   int stage_ = -1;
   int stages_ = 0;

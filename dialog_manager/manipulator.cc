@@ -22,6 +22,7 @@ constexpr int starts_allowed = 5;
 constexpr auto starts_window = std::chrono::seconds(10);
 constexpr int refusals_in_a_row = 100;
 // without a checkpoint a restart needs every line told so far; beyond this it is given up
+constexpr std::size_t unread_errors = 1u << 20;
 constexpr std::size_t longest_answer = 64u << 20;
 constexpr std::size_t longest_log = 256u << 20;
 
@@ -242,7 +243,8 @@ void Manipulator::check_deadline() {
 void Manipulator::pass_errors_on() {
   if (!errors_) return;
   std::string_view line;
-  while (true) {
+  // when nobody reads our errors, the program waits
+  while (manager_.errors().pending() < unread_errors) {
     using Next = channel::LineBuffer::Next;
     switch (errors_->lines().next(line)) {
       case Next::line:
@@ -407,7 +409,7 @@ void Manipulator::declaration(std::string_view line) {
              name + ": " + status.error().sentence + " (in: " + std::string(line.substr(0, 200)) + ")", 0});
 }
 
-Status Manipulator::declare(Words words, std::string_view) {
+Status Manipulator::declare(Words words, std::string_view line) {
   const std::string_view verb = words[0].text;
   const Words rest = words.subspan(1);
   const auto expect = [&](bool good, std::string_view syntax) -> Status {
@@ -423,11 +425,14 @@ Status Manipulator::declare(Words words, std::string_view) {
     const Result<const Type*> type = manager_.world.declare_type(rest);
     if (!type) return type.error();
     own_types_.push_back(*type);
+    manager_.journal(*this, "", line);
     return {};
   }
   if (verb == "field") {
     const Result<const Field*> field = manager_.world.declare_field(rest);
-    return field ? Status() : Status(field.error());
+    if (!field) return field.error();
+    manager_.journal(*this, "", line);
+    return {};
   }
   if (verb == "verb") {
     if (Status good =
@@ -514,7 +519,13 @@ void Manipulator::became_ready() {
     tell_world();
     return;
   }
-  // a second life: everything it was told, once more; what it answers up to where it died has been carried out
+  tell_again();
+  state_ = State::active;
+  manager_.event("event restarted " + name);
+}
+
+// everything it was told, once more; what it answers up to where it was has been carried out
+void Manipulator::tell_again() {
   answer_.clear();
   reply_body_.clear();
   answered_ = false;
@@ -527,8 +538,17 @@ void Manipulator::became_ready() {
   input_->flush();
   if (awaited_ || std::any_of(requests_.begin(), requests_.end(), [](const auto& each) { return !each.second; }))
     deadline_ = Wall::now() + timeout_ + std::chrono::milliseconds(log_.size() / 1000);
-  state_ = State::active;
-  manager_.event("event restarted " + name);
+}
+
+void Manipulator::catch_up() {
+  if (!input_ || !subscribed_) return;
+  tell_again();
+}
+
+void Manipulator::asked_before(std::uint64_t number, std::string_view line) {
+  tell_changes();
+  next_request_ = number + 1;
+  say("@" + std::to_string(number) + " " + std::string(line) + "\n");
 }
 
 bool Manipulator::declared_here(const Type& type) const {
@@ -608,7 +628,7 @@ void Manipulator::log(std::string_view line) {
 void Manipulator::say(std::string_view line) {
   log(line);
   // while it is restarted the log is all it needs
-  if (input_ && state_ != State::handshaking) input_->write(line);
+  if (input_ && state_ != State::handshaking && !manager_.replaying()) input_->write(line);
 }
 
 const Manipulator::Interest& Manipulator::interest(const Type& type) {
@@ -647,6 +667,7 @@ void Manipulator::tell_world() {
   say(outgoing_);
   outgoing_.clear();
   state_ = State::active;
+  if (manager_.budget().of != Manager::Budget::Of::nothing) tell_budget();
 }
 
 void Manipulator::meet_type(const Type& type) {
@@ -773,9 +794,13 @@ void Manipulator::send_tick(std::uint64_t tick, double time, double step) {
   last_tick_ = tick;
   answer_.clear();
   answered_ = false;
-  awaited_ = tick;
   asked_at_ = Wall::now();
-  if (state_ == State::active) deadline_ = asked_at_ + timeout_;
+  if (manager_.replaying()) {
+    spoken_ = 0;
+  } else {
+    awaited_ = tick;
+    if (state_ == State::active) deadline_ = asked_at_ + timeout_;
+  }
   say("tick " + std::to_string(tick) + " " + number(time) + " " + number(own_step) + "\n");
   flush();
 }
@@ -819,6 +844,10 @@ std::optional<Manipulator::Reply> Manipulator::take_reply(std::uint64_t number) 
     return reply;
   }
   return Reply{{}, Error{ErrorKind::gone, name + " is gone", 0}};
+}
+
+void Manipulator::tell_budget() {
+  if (state_ == State::active || state_ == State::restarting) say(manager_.budget().line() + "\n");
 }
 
 std::size_t Manipulator::queued() const { return input_ ? input_->pending() : 0; }

@@ -67,6 +67,11 @@ class Manipulator : public Source, public objdb::Gate {
   /// Tells what changed, then the tick.
   void send_tick(std::uint64_t tick, double time, double step);
   bool answering() const { return awaited_.has_value(); }
+  // -- a life that is made again from a journal: it is told everything at its end, and says it all again
+  void spoke_before() { ++spoken_; }
+  void asked_before(std::uint64_t number, std::string_view line);
+  void catch_up();
+
   /// Carries out what it said in this tick.
   void apply_answer();
   /// Drops what it said and no longer waits.
@@ -86,6 +91,8 @@ class Manipulator : public Source, public objdb::Gate {
   /// Ends it when it owes something for too long.
   void check_deadline();
   std::optional<channel::Clock::time_point> deadline() const;
+  /// Tells what fidelity the scene wants.
+  void tell_budget();
   /// The schema grew.
   void schema_changed();
   void flush();
@@ -96,6 +103,8 @@ class Manipulator : public Source, public objdb::Gate {
   std::size_t queued() const;
   /// What was started, under whatever name.
   const std::string& program() const { return program_; }
+  /// The command that started it.
+  std::string command;
 
  private:
   struct Interest {                   // per type: which of its fields are told
@@ -110,6 +119,7 @@ class Manipulator : public Source, public objdb::Gate {
   void declaration(std::string_view line);
   objdb::Status declare(objdb::Words words, std::string_view line);
   void became_ready();
+  void tell_again();
   void reply_line(std::string_view line);
   void said(std::string_view line);
   void refuse(const objdb::Error& error);

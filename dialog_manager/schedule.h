@@ -30,6 +30,7 @@ class Schedule {
   };
 
   int add(Entry entry);
+  void clear() { entries_.clear(); }
   /// False: no such id.
   bool forget(int id);
   const std::vector<Entry>& entries() const { return entries_; }

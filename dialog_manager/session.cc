@@ -164,6 +164,8 @@ void Session::close_input(Manager& manager) {
   Input closed = std::move(stack_.back());
   stack_.pop_back();
   if (closed.live) manager.stream_ended(*this);
+  if (closed.fifo)
+    if (std::optional<Input> next = manager.fifo_input(closed.name)) enqueue(std::move(*next));
   if (closed.answers) answer_source(closed);
 }
 
@@ -266,14 +268,12 @@ void Session::report(const Error& error) {
 
 void Session::fail(Manager& manager) {
   failed_ = true;
-  // within the text of a `source` command the command itself has failed, and ends with the text or, at the first error,
-  // at once
-  if (!keep_going_)
-    while (in_source_command()) {
-      const Input ended = std::move(stack_.back());
-      stack_.pop_back();
-      if (ended.answers) answer_source(ended);
-    }
+  // the text of a framed `source` command ends at its first error, and so does the command
+  while (!keep_going_ && in_source_command()) {
+    const Input ended = std::move(stack_.back());
+    stack_.pop_back();
+    if (ended.answers) answer_source(ended);
+  }
   manager.session_failed(*this);
 }
 

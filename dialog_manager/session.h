@@ -23,6 +23,7 @@ struct Input {
   bool answers = false;  ///< it is the text of a `source` command of a framed conversation
   std::string where;     ///< FILE:LINE to blame, when it is not the text's own name and line
   std::unique_ptr<channel::Reader> live;
+  bool fifo = false;  ///< writers come and go: the end of one is not the end of all
 };
 
 /// One conversation: lines in, replies out, in order. It waits while a command of its own takes time, and goes on to
@@ -56,6 +57,11 @@ class Session : public Source {
   /// Reads a single command in its turn; errors in it are told to stand at `where` (FILE:LINE).
   void enqueue_command(std::string text, std::string where, const objdb::Scope& scope);
 
+  /// Waits for this before it reads on.
+  void await(std::unique_ptr<Operation> operation, std::string where) {
+    operation_ = std::move(operation);
+    where_ = std::move(where);
+  }
   Operation* operation() const { return operation_.get(); }
   /// Ends the operation that is under way with this.
   void end_operation(Manager& manager, const objdb::Status& status);

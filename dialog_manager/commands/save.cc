@@ -18,7 +18,9 @@ Status write_file(std::string path, std::string_view text) {
   if (std::filesystem::is_symlink(path, ignored)) path = std::filesystem::weakly_canonical(path, ignored).string();
   const bool in_place = std::filesystem::exists(path, ignored) && !std::filesystem::is_regular_file(path, ignored);
   const std::string beside = in_place ? path : path + ".part";
-  const int file = ::open(beside.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC | O_NONBLOCK, 0666);
+  // both ends of a pipe are opened, so that opening does not wait for its reader
+  const int access = std::filesystem::is_fifo(path, ignored) ? O_RDWR : O_WRONLY | O_CREAT | O_TRUNC;
+  const int file = ::open(beside.c_str(), access | O_CLOEXEC | O_NONBLOCK, 0666);
   const auto failed = [&] {
     const int code = errno;
     if (file >= 0) ::close(file);

@@ -1,9 +1,8 @@
 #include "dialog_manager/command.h"
 #include "dialog_manager/manager.h"
+#include "dialog_manager/script_file.h"
 
 #include <filesystem>
-#include <fstream>
-#include <sstream>
 namespace manager {
 namespace {
 
@@ -11,44 +10,24 @@ using namespace objdb;
 
 constexpr std::size_t deepest = 32;
 
-// the current folder, beside the script that asks, the installed scenes and figures
-Result<std::string> find_file(const Call& call) {
-  const std::filesystem::path wanted(call.words[0].text);
-  std::vector<std::filesystem::path> places = {wanted};
-  if (wanted.is_relative()) {
-    const Input* input = call.session->input();
-    if (input != nullptr && !input->folder.empty()) places.push_back(std::filesystem::path(input->folder) / wanted);
-    const std::filesystem::path programs(call.manager.options().program_folder);
-    for (const char* installed : {"../share/virtual_sailor", "../../../scripts"})
-      for (const char* folder : {"", "scenes", "figures"}) places.push_back(programs / installed / folder / wanted);
-  }
-  std::error_code ignored;
-  for (const auto& place : places)
-    if (std::filesystem::exists(place, ignored) && !std::filesystem::is_directory(place, ignored))
-      return place.string();
-  if (std::filesystem::is_directory(wanted, ignored))
-    return call.error(0, ErrorKind::io, quote(wanted.string()) + " is a folder, expected a script");
-  return call.error(0, ErrorKind::io, "no file " + quote(wanted.string()));
-}
-
 Outcome run(Call& call) {
   if (call.session == nullptr) return call.error(-1, ErrorKind::busy, "a program cannot source a script");
   if (call.words.size() == 2 || (call.words.size() == 3 && call.words[1].text != "under"))
     return call.error(1, ErrorKind::syntax, "expected source FILE [under PATH]");
-  const Result<std::string> file = find_file(call);
-  if (!file) return file.error();
+  const Input* asking = call.session->input();
+  const Result<std::string> file = find_script(std::string(call.words[0].text), asking == nullptr ? "" : asking->folder,
+                                               call.manager.options().program_folder);
+  if (!file) return call.error(0, file.error().kind, file.error().sentence);
   if (call.session->depth() >= deepest)
     return call.error(0, ErrorKind::limit, "scripts source each other more than " + std::to_string(deepest) + " deep");
-  std::ifstream stream(*file, std::ios::binary);
-  std::stringstream text;
-  text << stream.rdbuf();
-  if (!stream.is_open()) return call.error(0, ErrorKind::io, *file + " cannot be read");
+  Result<std::string> text = read_script(*file);
+  if (!text) return call.error(0, text.error().kind, text.error().sentence);
 
   Input input;
   input.name = *file;
   input.folder = std::filesystem::path(*file).parent_path().string();
   if (input.folder.empty()) input.folder = ".";
-  input.text = text.str();
+  input.text = std::move(*text);
   input.scope = call.scope;
   if (call.words.size() == 3) {
     const std::string path = call.scope.resolve(call.words[2].text);

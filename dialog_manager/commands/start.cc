@@ -55,6 +55,7 @@ Outcome run(Call& call) {
   const Result<Manipulator*> started =
       call.manager.start(std::string(call.words[0].text), as, launcher, serving, arguments);
   if (!started) return call.error(0, started.error().kind, started.error().sentence);
+  (*started)->command = call.line;
   return std::make_unique<Starting>((*started)->name);
 }
 

@@ -1,0 +1,50 @@
+#include <algorithm>
+
+#include "dialog_manager/command.h"
+#include "dialog_manager/manager.h"
+
+namespace manager {
+namespace {
+
+using namespace objdb;
+
+Outcome run(Call& call) {
+  Manager& manager = call.manager;
+  if (call.words.empty()) {
+    if (manager.journal() != nullptr) call.out += manager.journal()->path() + "\n";
+    return {};
+  }
+  if (manager.in_transaction())
+    return call.error(-1, ErrorKind::busy, "a transaction is open, expected commit or rollback");
+  if (call.words.size() == 1 && call.words[0].text == "off" && !call.words[0].quoted) {
+    manager.end_journal();
+    return {};
+  }
+  static constexpr std::string_view policies[] = {"none", "everysec", "tick", "always"};
+  auto sync = Journal::Sync::everysec;
+  if (call.words.size() == 2) {
+    const auto found = std::find(std::begin(policies), std::end(policies), call.words[1].text);
+    if (found == std::end(policies))
+      return call.error(1, ErrorKind::type,
+                        shown(call.words[1].text) + " is no policy, expected none, everysec, tick or always");
+    sync = static_cast<Journal::Sync>(found - std::begin(policies));
+  }
+  if (Status status = manager.begin_journal(std::string(call.words[0].text), sync); !status)
+    return call.error(0, status.error().kind, status.error().sentence);
+  return {};
+}
+
+}  // namespace
+
+extern const Command command_journal;
+const Command command_journal = {
+    "journal",
+    "[FILE [none|everysec|tick|always]] | off",
+    "Keeps every accepted line in a file, after the world as it stands: from it the world can be made again (replay, "
+    "--resume). The word says when the disk is waited for. Without words prints the file.",
+    Effect::control,
+    0,
+    2,
+    run};
+
+}  // namespace manager

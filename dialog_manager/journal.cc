@@ -1,0 +1,258 @@
+#include "dialog_manager/journal.h"
+
+#include <fcntl.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <charconv>
+#include <cstring>
+#include <fstream>
+#include <sstream>
+
+#include "objdb/text.h"
+#include "objdb/unit.h"
+#include "objdb/value.h"
+
+namespace manager {
+namespace {
+
+using namespace objdb;
+
+constexpr std::size_t ahead = 256 * 1024;
+constexpr std::string_view heading = "sailor-journal 1";
+
+// 32 bits over a line and, through `before`, over all lines before it
+std::uint64_t check_of(std::uint64_t before, std::string_view text) { return hash_text(text, before) & 0xffffffffu; }
+
+void append_hex(std::string& out, std::uint64_t value) {
+  static constexpr char digits[] = "0123456789abcdef";
+  for (int shift = 28; shift >= 0; shift -= 4) out += digits[(value >> shift) & 15];
+}
+
+Error io_error(const std::string& path, std::string_view what) {
+  return {ErrorKind::io,
+          "journal " + path + " " + std::string(what) + (errno == 0 ? "" : std::string(": ") + std::strerror(errno)),
+          0};
+}
+
+// "TICK SOURCE PREFIX LINE"
+bool parse_record(std::string_view text, Record& record) {
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), record.tick);
+  if (error != std::errc()) return false;
+  text.remove_prefix(static_cast<std::size_t>(end - text.data()));
+  // the two words before the line may be quoted
+  for (std::string* word : {&record.source, &record.prefix}) {
+    if (text.empty() || text[0] != ' ') return false;
+    text.remove_prefix(1);
+    std::size_t length = text.find(' ');
+    if (!text.empty() && text[0] == '"') {
+      for (length = 1; length < text.size() && text[length] != '"'; ++length)
+        if (text[length] == '\\') ++length;
+      ++length;
+    }
+    if (length == std::string_view::npos || length > text.size()) return false;
+    LineWords words;
+    if (Status split = words.split(text.substr(0, length)); !split || words.words().size() != 1) return false;
+    word->assign(words.words()[0].text);
+    text.remove_prefix(length);
+  }
+  if (record.prefix == "-") record.prefix.clear();
+  if (text.empty() || text[0] != ' ') return false;
+  record.line = text.substr(1);
+  return true;
+}
+
+bool parse_start(std::string_view text, JournalStart& start) {
+  LineWords words;
+  if (Status split = words.split(text); !split || words.words().size() != 6) return false;
+  const Words all = words.words();
+  if (std::string(all[0].text) + " " + std::string(all[1].text) != heading) return false;
+  const auto value = [&](std::size_t index, std::string_view key) -> std::string_view {
+    return all[index].text.starts_with(key) ? all[index].text.substr(key.size()) : std::string_view();
+  };
+  const Result<std::int64_t> tick = parse_integer(value(2, "tick="));
+  const Result<double> time = parse_real(value(3, "time="), {}), rate = parse_real(value(4, "rate="), {});
+  const std::string_view seed = value(5, "seed=");
+  if (!tick || !time || !rate || *tick < 0 || !(*rate > 0)) return false;
+  start.tick = static_cast<std::uint64_t>(*tick);
+  start.time = *time;
+  start.rate = *rate;
+  return std::from_chars(seed.data(), seed.data() + seed.size(), start.seed).ec == std::errc();
+}
+
+}  // namespace
+
+Result<std::unique_ptr<Journal>> Journal::open(const std::string& path, Sync sync, int flags) {
+  std::unique_ptr<Journal> journal(new Journal);
+  journal->path_ = path;
+  journal->sync_ = sync;
+  journal->file_ = ::open(path.c_str(), O_RDWR | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK | flags, 0600);
+  if (journal->file_ < 0) return io_error(path, "cannot be opened");
+  struct stat status {};
+  ::fstat(journal->file_, &status);
+  errno = 0;
+  if (!S_ISREG(status.st_mode)) return io_error(path, "is no regular file");
+  if (status.st_uid != ::geteuid() || (status.st_mode & 022) != 0)
+    return io_error(path, "can be written by others, expected a file of ours, mode 0600");
+  if (::flock(journal->file_, LOCK_EX | LOCK_NB) != 0)
+    return Error{ErrorKind::busy, "journal " + path + " is written by another manager", 0};
+  return journal;
+}
+
+Result<std::unique_ptr<Journal>> Journal::create(const std::string& path, Sync sync, const JournalStart& start) {
+  Result<std::unique_ptr<Journal>> journal = open(path, sync, O_CREAT);
+  if (!journal) return journal;
+  if (::ftruncate((*journal)->file_, 0) != 0) return io_error(path, "cannot be emptied");
+  std::string first = std::string(heading) + " tick=" + std::to_string(start.tick) + " time=" + number(start.time) +
+                      " rate=" + number(start.rate) + " seed=" + std::to_string(start.seed);
+  if (Status room = (*journal)->reserve(first.size() + 16); !room) return room.error();
+  (*journal)->check_ = check_of(0, first);
+  append_hex((*journal)->buffer_, (*journal)->check_);
+  (*journal)->buffer_ += " " + first + "\n";
+  (*journal)->flush(true);
+  return journal;
+}
+
+Result<std::unique_ptr<Journal>> Journal::resume(const std::string& path, Sync sync, std::size_t good,
+                                                 std::uint64_t check) {
+  Result<std::unique_ptr<Journal>> journal = open(path, sync, 0);
+  if (!journal) return journal;
+  if (::ftruncate((*journal)->file_, static_cast<off_t>(good)) != 0)
+    return io_error(path, "cannot be cut to its last whole line");
+  ::lseek((*journal)->file_, 0, SEEK_END);
+  (*journal)->size_ = (*journal)->reserved_ = good;
+  (*journal)->check_ = check;
+  return journal;
+}
+
+Journal::~Journal() {
+  if (file_ < 0) return;
+  flush(true);
+  // what was reserved and not used is given back
+  if (reserved_ > size_ && ::ftruncate(file_, static_cast<off_t>(size_)) == 0) reserved_ = size_;
+  ::close(file_);
+}
+
+Status Journal::reserve(std::size_t bytes) {
+  const std::size_t needed = size_ + buffer_.size() + bytes;
+  if (needed <= reserved_) return {};
+  // room for many lines at once; on a disk that is nearly full, for this one
+  for (const std::size_t wanted : {needed + ahead, needed}) {
+    const int error = ::posix_fallocate(file_, static_cast<off_t>(size_), static_cast<off_t>(wanted - size_));
+    if (error == 0) {
+      reserved_ = wanted;
+      return {};
+    }
+    errno = error;
+  }
+  return io_error(path_, "cannot grow");
+}
+
+void Journal::add(std::uint64_t tick, std::string_view source, std::string_view prefix, std::string_view line) {
+  const std::size_t start = buffer_.size();
+  buffer_ += "........ ";
+  append_number(buffer_, static_cast<std::int64_t>(tick));
+  buffer_ += ' ';
+  append_quoted(buffer_, source);
+  buffer_ += ' ';
+  if (prefix.empty())
+    buffer_ += '-';
+  else
+    append_quoted(buffer_, prefix);
+  buffer_ += ' ';
+  buffer_ += line;
+  check_ = check_of(check_, std::string_view(buffer_).substr(start + 9));
+  std::string hex;
+  append_hex(hex, check_);
+  buffer_.replace(start, 8, hex);
+  buffer_ += '\n';
+}
+
+void Journal::flush(bool tick_ended) {
+  std::string_view rest = buffer_;
+  while (!rest.empty()) {
+    const ssize_t count = ::pwrite(file_, rest.data(), rest.size(), static_cast<off_t>(size_));
+    if (count < 0 && errno == EINTR) continue;
+    // room was reserved before anything was accepted: this is a disk that breaks, and what was said is lost with it
+    if (count < 0) break;
+    size_ += static_cast<std::size_t>(count);
+    rest.remove_prefix(static_cast<std::size_t>(count));
+    unsynced_ = true;
+  }
+  buffer_.erase(0, buffer_.size() - rest.size());
+  if (!unsynced_) return;
+  const auto now = std::chrono::steady_clock::now();
+  const bool due = sync_ == Sync::always || (sync_ == Sync::tick && tick_ended) ||
+                   (sync_ == Sync::everysec && now - synced_at_ > std::chrono::seconds(1));
+  if (!due) return;
+  ::fdatasync(file_);
+  synced_at_ = now;
+  unsynced_ = false;
+}
+
+Result<JournalText> read_journal(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  std::stringstream content;
+  content << file.rdbuf();
+  errno = 0;
+  if (!file.is_open()) return io_error(path, "cannot be read");
+  const std::string text = content.str();
+
+  JournalText out;
+  std::vector<Record> held;  // lines of a tick that has not ended yet
+  std::uint64_t check = 0;
+  std::size_t at = 0;
+  bool first = true;
+  std::uint64_t tick = 0;
+  while (at < text.size()) {
+    const std::size_t end = text.find('\n', at);
+    const std::string_view line = std::string_view(text).substr(at, end == std::string::npos ? end : end - at);
+    // an unused reserve is nothing but zeros
+    if (!line.empty() && line[0] == '\0') break;
+    std::uint64_t said = 0;
+    const bool framed = end != std::string::npos && line.size() > 9 && line[8] == ' ' &&
+                        std::from_chars(line.data(), line.data() + 8, said, 16).ptr == line.data() + 8;
+    const std::string_view body = framed ? line.substr(9) : std::string_view();
+    check = check_of(first ? 0 : check, body);
+    Record record;
+    if (!framed || said != check || (first ? !parse_start(body, out.start) : !parse_record(body, record))) {
+      if (first) {
+        errno = 0;
+        return io_error(path, "is no journal");
+      }
+      out.flaw = "byte " + std::to_string(at) + ": the line is torn or was changed";
+      break;
+    }
+    at = end + 1;
+    if (first) {
+      first = false;
+      tick = out.start.tick;
+    } else if (record.source == tick_source) {
+      tick = record.tick;
+      out.records.insert(out.records.end(), std::make_move_iterator(held.begin()), std::make_move_iterator(held.end()));
+      held.clear();
+      out.records.push_back(std::move(record));
+    } else if (record.tick > tick) {
+      held.push_back(std::move(record));
+      continue;
+    } else {
+      // a line between ticks after a tick that was begun: that tick was broken off, and its lines stand
+      out.records.insert(out.records.end(), std::make_move_iterator(held.begin()), std::make_move_iterator(held.end()));
+      held.clear();
+      out.records.push_back(std::move(record));
+    }
+    out.good = at;
+    out.check = check;
+  }
+  if (first) {
+    errno = 0;
+    return io_error(path, "is no journal");
+  }
+  if (out.flaw.empty() && !held.empty()) out.flaw = "tick " + std::to_string(tick + 1) + " is not whole";
+  return out;
+}
+
+}  // namespace manager

@@ -1,0 +1,82 @@
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "objdb/result.h"
+
+namespace manager {
+
+/// One line of a journal: who said it, in which tick, below which prefix (docs/journal.md).
+struct Record {
+  std::uint64_t tick = 0;  ///< tick that it belongs to; lines between ticks carry the tick before them
+  std::string source;
+  std::string prefix;  ///< of a script read `under` a place, "" for none
+  std::string line;
+};
+
+/// What a journal begins with, and where the world stood.
+struct JournalStart {
+  std::uint64_t tick = 0;
+  double time = 0, rate = 60;
+  std::uint64_t seed = 0;
+};
+
+/// Every accepted line, stamped, on disk before it is acknowledged. A text file; each line carries a check over itself
+/// and all lines before it, so that a torn end or a flipped bit is found. One writer at a time.
+class Journal {
+ public:
+  enum class Sync { none, everysec, tick, always };
+
+  /// Begins a journal, or goes on with one after `good` bytes. Errors: io (no regular file, not ours, no room), busy
+  /// (another manager writes it).
+  static objdb::Result<std::unique_ptr<Journal>> create(const std::string& path, Sync sync, const JournalStart& start);
+  static objdb::Result<std::unique_ptr<Journal>> resume(const std::string& path, Sync sync, std::size_t good,
+                                                        std::uint64_t check);
+  ~Journal();
+  Journal(const Journal&) = delete;
+  Journal& operator=(const Journal&) = delete;
+
+  /// Is there room on the disk for a line of this length? Error io when there is not: the line must not be accepted.
+  objdb::Status reserve(std::size_t bytes);
+  void add(std::uint64_t tick, std::string_view source, std::string_view prefix, std::string_view line);
+  /// Hands what was added to the system, and to the disk as the policy wants it. Call before acknowledging.
+  void flush(bool tick_ended);
+
+  const std::string& path() const { return path_; }
+
+ private:
+  Journal() = default;
+  static objdb::Result<std::unique_ptr<Journal>> open(const std::string& path, Sync sync, int flags);
+
+  std::string path_;
+  int file_ = -1;
+  Sync sync_ = Sync::everysec;
+  std::uint64_t check_ = 0;
+  std::string buffer_;
+  std::size_t size_ = 0;      // bytes written
+  std::size_t reserved_ = 0;  // bytes that the disk holds for us
+  bool unsynced_ = false;
+  std::chrono::steady_clock::time_point synced_at_{};
+};
+
+/// A journal as it was read: everything up to the last line that is whole, the lines of a tick only when the tick is.
+struct JournalText {
+  JournalStart start;
+  std::vector<Record> records;
+  std::size_t good = 0;     ///< bytes of the file up to there
+  std::uint64_t check = 0;  ///< check after them
+  std::string flaw;         ///< what stands behind them, "" for nothing
+};
+
+/// Errors: io (no such file, no journal).
+objdb::Result<JournalText> read_journal(const std::string& path);
+
+/// The source of the records that close a tick: "tick N TIME HASH COUNT".
+inline constexpr std::string_view tick_source = "tick";
+
+}  // namespace manager

@@ -1,0 +1,208 @@
+#include "dialog_manager/replay.h"
+
+#include <algorithm>
+#include <charconv>
+
+#include "dialog_manager/manager.h"
+
+namespace manager {
+namespace {
+
+using namespace objdb;
+
+constexpr std::string_view ask_source = "ask", rewind_source = "rewind";
+constexpr int records_at_a_time = 20'000;
+
+// what a tick's closing record says
+struct TickLine {
+  std::uint64_t tick = 0;
+  double time = 0;
+  std::uint64_t hash = 0;
+};
+
+std::optional<TickLine> parse_tick(const Record& record) {
+  LineWords words;
+  if (Status split = words.split(record.line); !split || words.words().size() != 3) return std::nullopt;
+  const Words all = words.words();
+  TickLine out{record.tick, 0, 0};
+  const Result<double> time = parse_real(all[1].text, {});
+  const std::string_view hash = all[2].text;
+  if (!time || std::from_chars(hash.data(), hash.data() + hash.size(), out.hash, 16).ec != std::errc())
+    return std::nullopt;
+  out.time = *time;
+  return out;
+}
+
+// figures of a machine are not figures of this one
+bool sets_measured(const Database& world, const LineWords& words) {
+  if (words.words()[0].text != "set" || words.words().size() < 2) return false;
+  const Result<Target> target = parse_target(words.words()[1]);
+  if (!target) return false;
+  const Object* object = world.find(target->pattern);
+  const int field = object == nullptr ? -1 : object->type->find(target->field);
+  return field >= 0 && object->type->field(field).measured;
+}
+
+class Replay : public Operation {
+ public:
+  Replay(JournalText text, bool live) : text_(std::move(text)), live_(live) {}
+
+  std::optional<Status> poll(Manager& manager, std::string& out) override {
+    if (at_ == 0 && !begun_) begin(manager);
+    if (inner_) {
+      // a program that starts or ends
+      const std::optional<Status> ended = inner_->poll(manager, out);
+      if (!ended) return std::nullopt;
+      inner_.reset();
+      if (!*ended) return end(manager, *ended);
+    }
+    for (int i = 0; i < records_at_a_time; ++i) {
+      if (at_ == text_.records.size()) return end(manager, {});
+      const Record& record = text_.records[at_++];
+      if (Status status = carry_out(manager, record); !status) {
+        const Error error = status.error();
+        return end(manager, Error{error.kind,
+                                  "tick " + std::to_string(record.tick) + ", " + record.source + ": " +
+                                      record.line.substr(0, 200) + ": " + error.sentence,
+                                  0});
+      }
+      if (inner_) return std::nullopt;
+    }
+    return std::nullopt;
+  }
+
+  std::optional<std::chrono::steady_clock::time_point> deadline() const override {
+    // more to do at once, unless a program is waited for
+    if (inner_) return inner_->deadline();
+    return std::chrono::steady_clock::time_point::min();
+  }
+
+ private:
+  void begin(Manager& manager) {
+    begun_ = true;
+    manager.replaying(true);
+    manager.clock.set_rate(text_.start.rate);
+    manager.clock.set(text_.start.tick, text_.start.time);
+  }
+
+  std::optional<Status> end(Manager& manager, Status status) {
+    manager.end_replay(live_);
+    return status;
+  }
+
+  Status carry_out(Manager& manager, const Record& record) {
+    if (record.source == tick_source) return close_tick(manager, record);
+    if (record.source == ask_source) return ask(manager, record);
+    if (Status split = words_.split(record.line); !split) return split;
+    if (words_.empty() || sets_measured(manager.world, words_)) return {};
+    const std::string_view verb = words_.words()[0].text;
+    if (!live_ && (verb == "start" || verb == "end")) return {};
+    if (live_) tell_before(manager, record);
+
+    Source source;
+    source.id = manager.add_source(record.source);
+    source.name = record.source;
+    std::string body;
+    const Scope scope{record.prefix};
+    Outcome outcome = manager.execute(source, manager.main_session(), words_, record.line, scope, body);
+    inner_ = std::move(outcome.operation);
+    return outcome.status;
+  }
+
+  // lines of a tick come in the order of stages: who stands in a stage is told before what that stage said counts
+  void tell_before(Manager& manager, const Record& record) {
+    Manipulator* speaker = manager.find_manipulator(record.source);
+    if (record.tick > manager.clock.tick()) {
+      if (speaker != nullptr) tell_stages(manager, speaker->stage);
+    } else if (speaker != nullptr && speaker->state() == Manipulator::State::active) {
+      speaker->spoke_before();
+    }
+  }
+
+  void tell_stages(Manager& manager, int last) {
+    const std::uint64_t tick = manager.clock.tick() + 1;
+    for (; told_stages_ <= last; ++told_stages_)
+      for (const auto& manipulator : manager.manipulators())
+        if (manipulator->stage == told_stages_ && manipulator->due(tick, manager.clock.rate()))
+          manipulator->send_tick(tick, manager.clock.time_of(tick), manager.clock.step());
+  }
+
+  Status close_tick(Manager& manager, const Record& record) {
+    const std::optional<TickLine> line = parse_tick(record);
+    if (!line) return Error{ErrorKind::io, "no tick", 0};
+    if (live_) tell_stages(manager, manager.stages() - 1);
+    told_stages_ = 0;
+    manager.replay_tick();
+    if (manager.clock.tick() != line->tick)
+      return Error{
+          ErrorKind::range,
+          "the tick is " + std::to_string(manager.clock.tick()) + ", the journal says " + std::to_string(line->tick),
+          0};
+    const std::uint64_t hash = manager.hash();
+    if (hash != line->hash)
+      return Error{ErrorKind::range,
+                   "the hash at tick " + std::to_string(line->tick) + " is another than the journal's", 0};
+    return {};
+  }
+
+  Status ask(Manager& manager, const Record& record) {
+    if (!live_) return {};
+    // NAME NUMBER LINE
+    const std::string_view line = record.line;
+    const std::size_t name = line.find(' '), number = line.find(' ', name + 1);
+    if (name == std::string_view::npos || number == std::string_view::npos)
+      return Error{ErrorKind::io, "no command", 0};
+    if (Manipulator* manipulator = manager.find_manipulator(line.substr(0, name))) {
+      std::uint64_t value = 0;
+      std::from_chars(line.data() + name + 1, line.data() + number, value);
+      manipulator->asked_before(value, line.substr(number + 1));
+    }
+    return {};
+  }
+
+  JournalText text_;
+  bool live_;
+  bool begun_ = false;
+  std::size_t at_ = 0;
+  int told_stages_ = 0;
+  std::unique_ptr<Operation> inner_;
+  LineWords words_;
+};
+
+}  // namespace
+
+bool is_journaled(const Command& command) {
+  static constexpr std::string_view steering[] = {"rate", "undo",  "redo", "begin",  "commit", "rollback",
+                                                  "at",   "every", "when", "forget", "start",  "end"};
+  return command.effect == Effect::change ||
+         std::find(std::begin(steering), std::end(steering), command.name) != std::end(steering);
+}
+
+std::unique_ptr<Operation> replay(JournalText text, bool live) {
+  return std::make_unique<Replay>(std::move(text), live);
+}
+
+std::vector<Record> records_until(const JournalText& text, double time) {
+  constexpr double rounding = 1e-9;
+  std::vector<Record> out;
+  // the first record of the first tick beyond the time ends it
+  const auto cut = [&](double until) {
+    std::uint64_t tick = text.start.tick;
+    for (const Record& record : out)
+      if (record.source == tick_source)
+        if (const auto line = parse_tick(record); line && line->time <= until + rounding) tick = line->tick;
+    const auto beyond = std::find_if(out.begin(), out.end(), [&](const Record& record) { return record.tick > tick; });
+    out.erase(beyond, out.end());
+  };
+  for (const Record& record : text.records) {
+    if (record.source == rewind_source) {
+      if (const Result<double> to = parse_real(record.line, {})) cut(*to);
+    } else {
+      out.push_back(record);
+    }
+  }
+  cut(time);
+  return out;
+}
+
+}  // namespace manager

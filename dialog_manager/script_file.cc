@@ -1,0 +1,57 @@
+#include "dialog_manager/script_file.h"
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+#include <vector>
+
+#include "objdb/text.h"
+
+namespace manager {
+
+using namespace objdb;
+
+Result<std::string> find_script(const std::string& name, const std::string& beside, const std::string& program_folder) {
+  const std::filesystem::path wanted(name);
+  std::vector<std::filesystem::path> places = {wanted};
+  if (wanted.is_relative()) {
+    if (!beside.empty()) places.push_back(std::filesystem::path(beside) / wanted);
+    for (const char* installed : {"../share/virtual_sailor", "../../../scripts"})
+      for (const char* folder : {"", "scenes", "figures"})
+        places.push_back(std::filesystem::path(program_folder) / installed / folder / wanted);
+  }
+  std::error_code ignored;
+  for (const auto& place : places)
+    if (std::filesystem::exists(place, ignored) && !std::filesystem::is_directory(place, ignored))
+      return place.string();
+  if (std::filesystem::is_directory(wanted, ignored))
+    return Error{ErrorKind::io, shown(name) + " is a folder, expected a script", 0};
+  return Error{ErrorKind::io, "no file " + shown(name), 0};
+}
+
+Result<std::string> read_script(const std::string& path) {
+  const int file = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  const auto failed = [&] { return Error{ErrorKind::io, shown(path) + " cannot be read: " + std::strerror(errno), 0}; };
+  if (file < 0) return failed();
+  std::string text;
+  std::array<char, 65536> block;
+  while (true) {
+    const ssize_t count = ::read(file, block.data(), block.size());
+    if (count < 0 && errno == EINTR) continue;
+    if (count < 0) {
+      const Error error = failed();
+      ::close(file);
+      return error;
+    }
+    if (count == 0) break;
+    text.append(block.data(), static_cast<std::size_t>(count));
+  }
+  ::close(file);
+  return text;
+}
+
+}  // namespace manager

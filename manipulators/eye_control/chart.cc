@@ -192,8 +192,8 @@ struct Sample {
 std::vector<Sample> samples(FollowingWorld& world, const Parameters& p) {
   std::vector<Sample> result;
   simulate(world, std::make_shared<Parameters>(p), Frame::head, [&](const TraceRow& row, const Gaze& gaze) {
-    result.push_back({row.time, (1 / deg) * gaze.aim().version, gaze.pursuit_velocity().x / deg, row.left_speed / deg,
-                      gaze.aim().vergence / deg, world.turned(row.time).x / deg});
+    result.push_back({row.time, (1 / deg) * gaze.aim().version, gaze.pursuit_velocity().x / deg,
+                      std::abs(row.left_velocity) / deg, gaze.aim().vergence / deg, world.turned(row.time).x / deg});
   });
   return result;
 }

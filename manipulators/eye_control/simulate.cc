@@ -53,6 +53,13 @@ Status check_elevation(double elevation, int line, const std::string& name) {
                     "elevation_deg must be between -90 and 90, not " + objdb::number(elevation));
 }
 
+// angle between two directions, with the sign of the larger component of the change
+double signed_angle(const Eigen::Vector3d& from, const Eigen::Vector3d& to, Vec2 change) {
+  const double size = std::atan2(from.cross(to).norm(), from.dot(to));
+  const double larger = std::abs(change.x) >= std::abs(change.y) ? change.x : change.y;
+  return std::copysign(size, larger);
+}
+
 }  // namespace
 
 Status fill_target(Track& track, const Table& table, const std::string& name) {
@@ -119,23 +126,25 @@ void simulate(FollowingWorld& world, std::shared_ptr<const Parameters> parameter
   }
   gaze.rest(rest, first);
 
+  const bool whole_rate = std::abs(1 / step - std::round(1 / step)) < 1e-6;
   TraceRow row;
   Eigen::Vector3d left_before = Eigen::Vector3d::UnitZ(), right_before = left_before;
   for (int64_t n = first;; ++n) {
     // thousandths are written as such: 0.3, not 0.30000000000000004
-    row.time = step == 0.001 ? static_cast<double>(n) / 1000 : static_cast<double>(n) * step;
+    row.time = whole_rate ? static_cast<double>(n) / std::round(1 / step) : static_cast<double>(n) * step;
     const HeadPose head = world.head(row.time);
     const Gaze::Eyes eyes = gaze.eyes();
     const Eigen::Quaterniond to_frame = frame == Frame::world ? head.orientation : Eigen::Quaterniond::Identity();
     const Eigen::Vector3d left = to_frame * eyes.left_direction, right = to_frame * eyes.right_direction;
-    row.left = fick_angles(left);
-    row.right = fick_angles(right);
+    const Vec2 left_angles = fick_angles(left), right_angles = fick_angles(right);
     row.left_torsion = torsion(eyes.left);
     row.right_torsion = torsion(eyes.right);
     if (n > first) {
-      row.left_speed = std::atan2(left.cross(left_before).norm(), left.dot(left_before)) / step;
-      row.right_speed = std::atan2(right.cross(right_before).norm(), right.dot(right_before)) / step;
+      row.left_velocity = signed_angle(left_before, left, left_angles - row.left) / step;
+      row.right_velocity = signed_angle(right_before, right, right_angles - row.right) / step;
     }
+    row.left = left_angles;
+    row.right = right_angles;
     left_before = left;
     right_before = right;
     row.mode = gaze.mode();
@@ -156,7 +165,7 @@ void write_row(std::ostream& out, const TraceRow& row) {
   std::string line;
   objdb::append_number(line, row.time);
   for (double angle : {row.left.x, row.left.y, row.left_torsion, row.right.x, row.right.y, row.right_torsion,
-                       row.left_speed, row.right_speed}) {
+                       row.left_velocity, row.right_velocity}) {
     line += ',';
     // a minus zero would only puzzle the reader
     objdb::append_number(line, angle / deg + 0.0);

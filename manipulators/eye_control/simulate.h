@@ -16,7 +16,9 @@ struct TraceRow {
   double time = 0;
   Vec2 left, right;                            ///< in the world, or in the head (`Frame`)
   double left_torsion = 0, right_torsion = 0;  ///< in Listing's coordinates of the head, rad
-  double left_speed = 0, right_speed = 0;      ///< angle per time over the step before, in the same frame, rad/s
+  /// angle per time over the step before, in the same frame, rad/s; its sign is that of the larger of the changes to
+  /// the right and up
+  double left_velocity = 0, right_velocity = 0;
   Mode mode = Mode::fixation;
 };
 

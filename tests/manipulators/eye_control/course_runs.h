@@ -31,7 +31,7 @@ inline Course run(FollowingWorld& world, const Parameters& parameters) {
     r.command.push_back(gaze.pursuit_command().x / deg);
     r.vergence.push_back(gaze.aim().vergence / deg);
     r.vergence_rate.push_back(gaze.vergence_rate() / deg);
-    r.speed.push_back(row.left_speed / deg);
+    r.speed.push_back(std::abs(row.left_velocity) / deg);
     r.mode.push_back(row.mode);
     r.saccades.push_back(gaze.saccades());
   });

@@ -95,6 +95,23 @@ TEST_F(Command, WritesATraceAtOneKilohertz) {
   EXPECT_NEAR(t.rows[1000][1], 10, 0.01);
   EXPECT_NEAR(t.rows[1000][4], 10, 0.01);
   EXPECT_NEAR(t.rows[1000][3], 0, 1e-9);
+  double fastest = 0;
+  for (const auto& row : t.rows) fastest = std::max(fastest, row[7]);
+  EXPECT_NEAR(fastest, 300, 10);
+}
+
+TEST_F(Command, VelocityIsNegativeToTheLeftAndDown) {
+  std::ostringstream text;
+  text << "t_s,azimuth_deg,elevation_deg\n";
+  for (int k = 0; k <= 800; ++k) text << k / 1000.0 << ',' << (k >= 200 ? -10 : 0) << ',' << (k >= 200 ? 3 : 0) << '\n';
+  ASSERT_EQ(run("--simulate " + file("t.csv", text.str()) + " --out " + out()), 0) << said;
+  double lowest = 0, highest = 0;
+  for (const auto& row : trace().rows) {
+    lowest = std::min(lowest, row[7]);
+    highest = std::max(highest, row[7]);
+  }
+  EXPECT_LT(lowest, -250);
+  EXPECT_LT(highest, 1);
 }
 
 TEST_F(Command, TakesParametersWithUnits) {

@@ -185,7 +185,13 @@ class Sphere {
     const double across = edge.squaredNorm() - along;
     const double middle = distance + across / (6 * std::max(distance, radius_ / 2)), width = std::sqrt(along);
     const double part = width > 0 ? std::clamp(0.5 + (radius_ - middle) / (2 * width), 0.0, 1.0) : 1;
-    if (part > 0) add(p, part * cell.volume() * p.J.determinant() * weight_at(std::min(distance, radius_)));
+    if (part == 0) return;
+    // what is inside sits at the inner end of the slab: each reference axis takes its share of the way there
+    const Eigen::Vector3d inward =
+        width > 0 ? Eigen::Vector3d((edge * away) * (-(1 - part) / (width * distance))) : Eigen::Vector3d::Zero();
+    const Point there = part < 1 ? at(cell.middle + cell.half.cwiseProduct(inward)) : p;
+    const double reach = std::min((there.x - centre_).norm(), radius_);
+    add(there, part * cell.volume() * p.J.determinant() * weight_at(reach));
   }
 
   int nodes_;

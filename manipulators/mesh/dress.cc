@@ -298,10 +298,13 @@ class Lifter {
 
  private:
   double thickness(int part, int v) const;
+  double least(int part, double height) const;
   int smoothing(int part) const { return part < first_part_ ? 0 : garments_[part - first_part_].smoothing; }
   int copy(int v, double thickness, bool rim = false);
   void add_face(const Eigen::Vector3i& face, int part);
   void add_rims();
+  void find_neighbours();
+  void smooth_directions();
   void smooth();
 
   const std::vector<Point>& points_;
@@ -318,6 +321,10 @@ class Lifter {
   std::vector<int> source_;     ///< of each new vertex, the old one
   std::vector<double> height_;  ///< of each new vertex, above the skin
   std::vector<RowVector3f> p_;
+  std::vector<RowVector3f> up_;  ///< of each new vertex, the way in which the cloth is lifted
+  std::vector<int> passes_;      ///< of smoothing
+  std::vector<double> least_;    ///< height that smoothing leaves
+  std::vector<std::vector<int>> neighbours_;
   std::vector<Eigen::Vector3i> new_faces_;
   std::vector<int> new_part_;
 };
@@ -331,13 +338,20 @@ double Lifter::thickness(int part, int v) const {
   return garment.thickness + std::max(0.0, garment.flare.head<3>().dot(p) + garment.flare[3]);
 }
 
+/// What cloth hangs wide by is meant; its bare thickness may be used up by bumps under it.
+double Lifter::least(int part, double height) const {
+  const double bare = part < first_part_ ? 0 : garments_[part - first_part_].thickness;
+  return 0.25 * bare + 0.6 * (height - bare);
+}
+
 int Lifter::copy(int v, double thickness, bool rim) {
   const auto [found, is_new] = copies_.try_emplace({v, thickness, rim}, static_cast<int>(source_.size()));
   if (is_new) {
     keys_.emplace_back(v, thickness, rim);
     source_.push_back(v);
     height_.push_back(thickness);
-    p_.push_back(points_[v].p + static_cast<float>(thickness) * points_[v].n);
+    up_.push_back(points_[v].n);
+    p_.push_back(points_[v].p);
   }
   return found->second;
 }
@@ -375,37 +389,63 @@ void Lifter::add_rims() {
   }
 }
 
-/// Raises or lowers the vertices inside a garment to the height of their neighbours, as often as it says, but never
-/// below a third of its thickness above the skin. Only along the normals: borders and stripes stay where they were cut.
-void Lifter::smooth() {
-  std::vector<int> passes(source_.size(), std::numeric_limits<int>::max());
-  std::vector<std::vector<int>> neighbours(source_.size());
+/// Neighbours within the cloth and the number of passes of each vertex; rims have none and follow the cloth.
+void Lifter::find_neighbours() {
+  passes_.assign(source_.size(), std::numeric_limits<int>::max());
+  least_.assign(source_.size(), 0);
+  neighbours_.assign(source_.size(), {});
   for (std::size_t f = 0; f < faces_.size(); ++f) {
     for (int corner = 0; corner < 3; ++corner) {
       const int v = new_faces_[f][corner];
-      passes[v] = std::min(passes[v], smoothing(new_part_[f]));
-      neighbours[v].push_back(new_faces_[f][(corner + 1) % 3]);
-      neighbours[v].push_back(new_faces_[f][(corner + 2) % 3]);
+      passes_[v] = std::min(passes_[v], smoothing(new_part_[f]));
+      least_[v] = least(new_part_[f], height_[v]);
+      neighbours_[v].push_back(new_faces_[f][(corner + 1) % 3]);
+      neighbours_[v].push_back(new_faces_[f][(corner + 2) % 3]);
     }
   }
-  // the vertices of rims follow those of the cloth
-  for (std::size_t v = 0; v < passes.size(); ++v) {
-    passes[v] = neighbours[v].empty() ? 0 : passes[v];
+  for (std::size_t v = 0; v < passes_.size(); ++v) {
+    passes_[v] = neighbours_[v].empty() ? 0 : passes_[v];
   }
-  const int most = passes.empty() ? 0 : *std::max_element(passes.begin(), passes.end());
+}
+
+/// Cloth is lifted along normals that know nothing of the small bumps under it.
+void Lifter::smooth_directions() {
+  constexpr int most = 20;
+  for (int pass = 0; pass < most; ++pass) {
+    std::vector<RowVector3f> next = up_;
+    for (std::size_t v = 0; v < up_.size(); ++v) {
+      if (passes_[v] > pass) {
+        for (int neighbour : neighbours_[v]) {
+          next[v] += up_[neighbour];
+        }
+        next[v].normalize();
+      }
+    }
+    up_.swap(next);
+  }
+}
+
+/// Raises or lowers the vertices inside a garment to the height of their neighbours, as often as it says, but never
+/// below a part of its thickness above the skin. Only along their directions: borders and stripes stay where they were
+/// cut.
+void Lifter::smooth() {
+  for (std::size_t v = 0; v < p_.size(); ++v) {
+    p_[v] += static_cast<float>(height_[v]) * up_[v];
+  }
+  const int most = passes_.empty() ? 0 : *std::max_element(passes_.begin(), passes_.end());
   for (int pass = 0; pass < most; ++pass) {
     std::vector<RowVector3f> next = p_;
     for (std::size_t v = 0; v < p_.size(); ++v) {
-      if (passes[v] <= pass || neighbours[v].empty()) {
+      if (passes_[v] <= pass) {
         continue;
       }
       RowVector3f mean = RowVector3f::Zero();
-      for (int neighbour : neighbours[v]) {
-        mean += p_[neighbour] / static_cast<float>(neighbours[v].size());
+      for (int neighbour : neighbours_[v]) {
+        mean += p_[neighbour] / static_cast<float>(neighbours_[v].size());
       }
-      const Point& skin = points_[source_[v]];
-      const float height = (mean - skin.p).dot(skin.n);
-      next[v] = skin.p + std::max(height, static_cast<float>(0.3 * height_[v])) * skin.n;
+      const RowVector3f& skin = points_[source_[v]].p;
+      const float height = (mean - skin).dot(up_[v]);
+      next[v] = skin + std::max(height, static_cast<float>(least_[v])) * up_[v];
     }
     p_.swap(next);
   }
@@ -428,6 +468,8 @@ Skin Lifter::lifted(const Skin& skin) {
     add_face(face, part_[f]);
   }
   add_rims();
+  find_neighbours();
+  smooth_directions();
   smooth();
 
   Skin result;

@@ -438,8 +438,12 @@ void add_segments(Skeleton& skeleton, const Landmarks& marks) {
     make.add(name("shin"), name("knee_flexion"), knee, ankle, 0.05 * H);
     make.add(name("foot"), name("subtalar"), ankle, sided(marks.ball), 0.04 * H);
     make.add(name("heel"), name("subtalar"), ankle, between(ankle, sided(marks.heel), 0.6), 0.04 * H);
-    make.add(name("toes"), name("toe_flexion"), sided(marks.ball), sided(marks.ball) + Vector3d(0, -0.005, 0.05) * H,
-             0.03 * H);
+    const Vector3d toe = sided(marks.toe);
+    const Vector3d ball = sided(marks.ball);
+    make.add(name("big_toe"), name("toe_flexion"), Vector3d(toe.x(), toe.y(), ball.z()), toe - Vector3d(0, 0, 0.01) * H,
+             0.025 * H);
+    make.add(name("toes"), name("toe_flexion"), ball + Vector3d(0.012 * out, -0.006, 0) * H,
+             ball + Vector3d(0.014 * out, -0.009, 0.045) * H, 0.03 * H);
   }
 }
 

@@ -166,11 +166,11 @@ void trousers(Tailor& tailor) {
   above(piece, 0.080);
   piece.thickness = 0.013;
   // bell-bottoms: wider from the knee down
-  piece.flare = {0, -0.062, 0, 0.062 * 0.50};
-  piece.smoothing = 24;
+  piece.flare = {0, -0.085, 0, 0.085 * 0.52};
+  piece.smoothing = 16;
 
   // inside the shoes
-  Clothing& socks = tailor.add("socks", 2, leather, both_sides({"shin", "foot", "heel", "toes"}));
+  Clothing& socks = tailor.add("socks", 2, leather, both_sides({"shin", "foot", "heel", "toes", "big_toe"}));
   below(socks, 0.10);
 }
 
@@ -215,7 +215,8 @@ void blouse(Tailor& tailor, const Vector3d& elbow, const Vector3d& wrist) {
     cuff.smoothing = 4;
     Clothing& trim = tailor.add(name + "cuff_trim", 7, white, arm);
     slab(trim, n, end + 0.030, end + 0.035);
-    trim.thickness = 0.0175;
+    trim.thickness = 0.017;
+    trim.smoothing = 4;
   }
 }
 

@@ -72,7 +72,8 @@ TEST(Dress, WeightsOfNewVerticesAreMixed) {
   Eigen::MatrixX3f V, N;
   mesh::deform(*painted, {X, X}, V, N);
   for (Eigen::Index v = 0; v < V.rows(); ++v) {
-    EXPECT_LT((V.row(v).transpose().cast<double>() - X * painted->surface.V.row(v).transpose().cast<double>()).norm(), 2e-6);
+    EXPECT_LT((V.row(v).transpose().cast<double>() - X * painted->surface.V.row(v).transpose().cast<double>()).norm(),
+              2e-6);
   }
 }
 

@@ -92,9 +92,10 @@ TEST_F(Files, BadFilesHaveOneClearError) {
   EXPECT_EQ(fault(write("empty.obj", "")).substr(0, 6), "syntax");
   EXPECT_EQ(fault(write("broken.dae", "<COLLADA><asset>")).substr(0, 6), "syntax");
   EXPECT_EQ(fault(write("broken.ply", "ply\nformat ascii 1.0\nelement vertex 3\n")).substr(0, 6), "syntax");
-  EXPECT_NE(fault(write("short.ply", "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
-                                     "property float z\nelement face 1\nproperty list uchar int vertex_indices\n"
-                                     "end_header\n0 0 0\n")),
+  EXPECT_NE(fault(write("short.ply",
+                        "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
+                        "property float z\nelement face 1\nproperty list uchar int vertex_indices\n"
+                        "end_header\n0 0 0\n")),
             "no error");
   EXPECT_NE(fault(write("points.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\n")), "no error");
   EXPECT_EQ(fault(write("nan.obj", "v 0 0 0\nv nan 0 0\nv 0 1 0\nf 1 2 3\n")).substr(0, 5), "range");

@@ -25,7 +25,7 @@ mesh::Bone bone(const std::string& name, const Vector3d& from, const Vector3d& t
 /// An arm of radius 0.1 along y from 0 to 1, its elbow in the middle.
 mesh::Skin arm() {
   return *mesh::bind_skin(known::tube(1, 0.1, 60, 32),
-                          {bone("upper", {0, 0, 0}, {0, 0.5, 0}), bone("lower", {0, 0.5, 0}, {0, 1, 0})});
+                          {bone("upper", {0, 0.1, 0}, {0, 0.5, 0}), bone("lower", {0, 0.5, 0}, {0, 0.9, 0})});
 }
 
 Isometry3d turned_at(const Vector3d& point, double angle, const Vector3d& axis) {
@@ -99,7 +99,8 @@ TEST(Bind, ABallInsideFollowsTheNearestBone) {
   eye.V.col(2).array() += 0.08F;
   const Eigen::Index first = head.V.rows();
   mesh::append(head, eye);
-  const auto skin = mesh::bind_skin(head, {bone("skull", {0, 0, 0}, {0, 0.02, 0}), bone("far", {0, -3, 0}, {0, -4, 0})});
+  const auto skin =
+      mesh::bind_skin(head, {bone("skull", {0, 0, 0}, {0, 0.02, 0}), bone("far", {0, -3, 0}, {0, -4, 0})});
   ASSERT_TRUE(skin);
   for (Eigen::Index v = first; v < skin->weight.rows(); ++v) {
     EXPECT_EQ(skin->index(v, 0), 0);

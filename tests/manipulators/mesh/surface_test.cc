@@ -39,7 +39,8 @@ TEST(Topology, CountsWhatIsWrong) {
   EXPECT_FALSE(mesh::topology(cube).manifold());
 
   // a third face on an edge
-  mesh::Surface fin = known::of({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}}, {{0, 1, 2}, {1, 0, 3}, {0, 1, 4}});
+  mesh::Surface fin =
+      known::of({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}}, {{0, 1, 2}, {1, 0, 3}, {0, 1, 4}});
   EXPECT_EQ(mesh::topology(fin).nonmanifold_edges, 1);
 }
 
@@ -57,8 +58,8 @@ TEST(Surface, AppendJoinsPartsOfOneNameAndSubsetUndoesIt) {
   for (int part : both.part) keep.push_back(part == 1);
   std::vector<int> map;
   const mesh::Surface ball = mesh::subset(both, keep, &map);
-  EXPECT_EQ(ball.V, other.V);
-  EXPECT_EQ(map.front(), 8);
+  ASSERT_EQ(ball.V.rows(), other.V.rows());
+  for (Eigen::Index v = 0; v < ball.V.rows(); ++v) EXPECT_EQ(ball.V.row(v), other.V.row(map[v] - 8));
 }
 
 TEST(Normals, OfASpherePointOutward) {
@@ -72,7 +73,7 @@ TEST(Normals, OfASpherePointOutward) {
 TEST(Normals, VerticesOnTopOfEachOtherShareOne) {
   // two faces of a roof that share no vertex
   const mesh::Surface roof =
-      known::of({{0, 0, 0}, {0, 0, 1}, {-1, -1, 0}, {0, 0, 1}, {0, 0, 0}, {1, -1, 0}}, {{0, 1, 2}, {3, 4, 5}});
+      known::of({{0, 0, 0}, {0, 0, 1}, {-1, -1, 0}, {0, 0, 1}, {0, 0, 0}, {1, -1, 0}}, {{0, 2, 1}, {3, 5, 4}});
   EXPECT_EQ(roof.N.row(0), roof.N.row(4));
   EXPECT_NEAR(roof.N(0, 1), 1, 1e-6);
   EXPECT_EQ(mesh::welded(roof.V)[4], 0);
@@ -109,7 +110,8 @@ TEST(Tree, AgreesWithTryingEveryFace) {
   const auto next = [&] { return x = std::fmod(7.13 * x + 0.217, 1.0); };
   int met = 0;
   for (int i = 0; i < 200; ++i) {
-    const Eigen::Vector3d a(next() - 0.5, 1.4 * next() - 0.2, next() - 0.5), b(next() - 0.5, 1.4 * next() - 0.2, next() - 0.5);
+    const Eigen::Vector3d a(next() - 0.5, 1.4 * next() - 0.2, next() - 0.5),
+        b(next() - 0.5, 1.4 * next() - 0.2, next() - 0.5);
     double least = 1;
     for (Eigen::Index f = 0; f < tube.F.rows(); ++f) {
       const auto corner = [&](int c) -> Eigen::Vector3d { return tube.V.row(tube.F(f, c)).transpose().cast<double>(); };

@@ -49,9 +49,18 @@ inline mesh::Surface tube(double length, double radius, int rows = 40, int aroun
 
 /// A unit cube from the origin, twelve faces, eight vertices.
 inline mesh::Surface cube() {
-  return of({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}, {0, 0, 1}, {1, 0, 1}, {0, 1, 1}, {1, 1, 1}},
-            {{0, 2, 3}, {0, 3, 1}, {4, 5, 7}, {4, 7, 6}, {0, 1, 5}, {0, 5, 4},
-             {2, 6, 7}, {2, 7, 3}, {0, 4, 6}, {0, 6, 2}, {1, 3, 7}, {1, 7, 5}});
+  return of({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}, {0, 0, 1}, {1, 0, 1}, {0, 1, 1}, {1, 1, 1}}, {{0, 2, 3},
+                                                                                                       {0, 3, 1},
+                                                                                                       {4, 5, 7},
+                                                                                                       {4, 7, 6},
+                                                                                                       {0, 1, 5},
+                                                                                                       {0, 5, 4},
+                                                                                                       {2, 6, 7},
+                                                                                                       {2, 7, 3},
+                                                                                                       {0, 4, 6},
+                                                                                                       {0, 6, 2},
+                                                                                                       {1, 3, 7},
+                                                                                                       {1, 7, 5}});
 }
 
 /// A sphere around the origin by latitude and longitude.
@@ -61,8 +70,8 @@ inline mesh::Surface sphere(double radius, int rows = 32, int around = 48) {
     const double latitude = M_PI * ((row + 1.0) / (rows + 1) - 0.5);
     for (int step = 0; step < around; ++step) {
       const double angle = 2 * M_PI * step / around;
-      surface.V.row(row * around + step) << radius * std::cos(latitude) * std::sin(angle),
-          radius * std::sin(latitude), radius * std::cos(latitude) * std::cos(angle);
+      surface.V.row(row * around + step) << radius * std::cos(latitude) * std::sin(angle), radius * std::sin(latitude),
+          radius * std::cos(latitude) * std::cos(angle);
     }
   }
   surface.V.row(rows * around) << 0, -radius, 0;

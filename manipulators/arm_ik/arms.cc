@@ -1,6 +1,7 @@
 #include "manipulators/arm_ik/arms.h"
 
 #include "manipulators/arm_ik/cpu_clock.h"
+#include "manipulators/arm_ik/mass.h"
 
 namespace arm_ik {
 
@@ -39,10 +40,21 @@ constexpr std::string_view declarations = R"~(
   field arm.forearm_pronation real rad "likewise"
   field arm.memory real[] private "state of the motion"
   field arm.remembered ref:node private "what it reached for"
+  type segment extends node "a part of a body with its mass, between two ends in its own frame"
+  field segment.kind word = forearm of head trunk upper_arm forearm hand thigh shank foot "row of de Leva's table (1996)"
+  field segment.sex word = male of male female
+  field segment.body_mass real kg = 73 in 0 1000 "of the whole person"
+  field segment.from vec3 m "end nearer to the trunk; vertex, top of the breastbone, heel of head, trunk, foot"
+  field segment.to vec3 m = 0 -0.25 0 "the other end"
+  field segment.forward vec3 = 0 0 1 "where the front is"
+  field segment.mass real kg
+  field segment.center vec3 m "centre of mass"
+  field segment.inertia real[6] kg*m^2 "about the centre of mass: xx yy zz xy xz yz"
   verb reach "ARM TARGET|none" "Makes an arm (or leg) reach for a node and keep following it, or stop."
   reads node.parent node.position node.orientation delayed
   reads joint.dh joint.angle joint.lower joint.upper joint.rest delayed
-  writes joint.angle
+  reads segment
+  writes joint.angle segment.mass segment.center segment.inertia
   writes arm.target arm.status arm.reason arm.chosen arm.active_limits arm.position_error arm.rotation_error
   writes arm.iterations arm.elapsed arm.freedoms arm.shoulder_plane arm.shoulder_elevation arm.shoulder_rotation
   writes arm.elbow_flexion arm.elbow_carrying arm.forearm_pronation arm.memory arm.remembered
@@ -82,7 +94,24 @@ Result<std::string> Arms::reach(objdb::Words words) {
   return std::string();
 }
 
+// cheap, so done every tick; what has not changed is not said again
+void Arms::weigh(const Object& segment) {
+  const auto vector = [&](std::string_view field) {
+    const Vec3& v = me_.get<Vec3>(segment, field);
+    return Eigen::Vector3d(v[0], v[1], v[2]);
+  };
+  const MassProperties body =
+      mass_properties(static_cast<Segment>(me_.get<std::int64_t>(segment, "kind")),
+                      static_cast<Sex>(me_.get<std::int64_t>(segment, "sex")), me_.get<double>(segment, "body_mass"),
+                      vector("from"), vector("to"), vector("forward"));
+  const Eigen::Matrix3d& I = body.inertia;
+  me_.set(segment, "mass", body.mass);
+  me_.set(segment, "center", Vec3{body.center.x(), body.center.y(), body.center.z()});
+  me_.set(segment, "inertia", std::vector<double>{I(0, 0), I(1, 1), I(2, 2), I(0, 1), I(0, 2), I(1, 2)});
+}
+
 void Arms::tick(const kit::Tick& now) {
+  for (const Object* segment : me_.objects("segment")) weigh(*segment);
   std::erase_if(limbs_, [&](const auto& entry) { return me_.world().object(entry.first) == nullptr; });
   for (const Object* arm : me_.objects("arm")) {
     const double start = cpu_seconds();

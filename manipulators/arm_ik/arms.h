@@ -29,6 +29,7 @@ class Arms {
 
   objdb::Result<std::string> reach(objdb::Words words);
   void tick(const kit::Tick& tick);
+  void weigh(const objdb::Object& segment);
   void move(const objdb::Object& arm, Limb& limb, const kit::Tick& tick);
   bool find(const objdb::Object& arm, Limb& limb);
   void stand(const objdb::Object& arm, std::string_view status, const std::string& reason);

@@ -206,7 +206,11 @@ Solution solve_coupled(const HumanArm& arm, const Goal& goal, const SolveOptions
     if (!std::isfinite(longest)) break;
     if (longest > longest_step) du *= longest_step / longest;
     if (longest < settled) break;
-    at = model.at(at.u + du, at.q);
+    // the regression knows planes of one turn and raised arms
+    Inputs next = at.u + du;
+    next[0] = std::remainder(next[0], 2 * M_PI);
+    next[1] = std::clamp(next[1], 0.0, M_PI);
+    at = model.at(next, at.q);
   }
   out.iterations += closed_form;
   const bool reached =

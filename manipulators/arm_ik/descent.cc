@@ -17,7 +17,7 @@ Goal::Goal(const kinematics::Pose& X, bool with_orientation) : pose(with_orienta
   frame[15] = 0;
 }
 
-double angle_of_chord(double chord) { return chord < 2e-4 ? chord : 2 * std::asin(std::min(1.0, 0.5 * chord)); }
+double angle_of_chord(double chord) { return chord < 1e-6 ? chord : 2 * std::asin(std::min(1.0, 0.5 * chord)); }
 
 kinematics::Pose Goal::target() const {
   kinematics::Pose X;

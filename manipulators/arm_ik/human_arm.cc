@@ -11,22 +11,29 @@ using kinematics::Chain;
 using kinematics::Pose;
 using kinematics::Side;
 
-// angles of the table have four decimals of a degree, lengths of a scaled figure as many digits as it was written with
+// angles of a figure have as many digits as it was written with
 constexpr double angle_tolerance = 1e-5;
-constexpr double length_tolerance = 1e-3;
+// every link may have its own length: people's arms are not scaled copies of each other
+constexpr double length_tolerance = 1e-4, least_factor = 0.4, most_factor = 2.5;
 
 bool same_angle(double a, double b) { return std::abs(std::remainder(a - b, 2 * M_PI)) < angle_tolerance; }
 
-// the same axes, all lengths times one factor; the tool and the base are free
+// b times some sensible factor
+bool same_direction(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
+  if (b.norm() < length_tolerance) return a.norm() < 2 * length_tolerance;
+  const double factor = a.dot(b) / b.squaredNorm();
+  return factor > least_factor && factor < most_factor && (a - factor * b).norm() < length_tolerance;
+}
+
+// the same axes in the same order; the tool and the base are free
 bool same_shape(const Chain& chain, const Chain& model) {
   if (chain.size() != model.size()) return false;
-  const double factor = chain.joints[8].p.norm() / model.joints[8].p.norm();
   for (int i = 0; i < model.size(); ++i) {
     const kinematics::Joint &a = chain.joints[i], &b = model.joints[i];
     if (a.kind != b.kind) return false;
-    // a turn of the last frame belongs to the tool
-    if (i + 1 < model.size() && (!same_angle(a.offset, b.offset) || !same_angle(a.alpha, b.alpha))) return false;
-    if (i + 1 < model.size() && (a.p - factor * b.p).norm() > length_tolerance) return false;
+    // what follows the last turn belongs to the tool
+    if (i + 1 == model.size()) break;
+    if (!same_angle(a.offset, b.offset) || !same_angle(a.alpha, b.alpha) || !same_direction(a.p, b.p)) return false;
   }
   return true;
 }

@@ -23,7 +23,8 @@ class HumanArm {
  public:
   static constexpr int joints = 11, girdle = 6;
 
-  /// The arm in a chain of any size, side and place, whatever its limits, or nothing when the axes are not the arm's.
+  /// The arm in a chain of any side and place, with links of any length and any limits, or nothing when the axes are
+  /// not the arm's.
   static std::optional<HumanArm> recognize(const kinematics::Chain& chain);
 
   kinematics::Side side() const { return side_; }

@@ -14,6 +14,7 @@ constexpr double jump_angle = 0.5;     // [rad]
 constexpr int patience = 10, look_again = 60;
 // peak of a least-jerk course over its mean speed
 constexpr double peak = 1.875;
+constexpr double towards_middle = 0.25;
 // an aim this near [rad] is where the limb is
 constexpr double there = 1e-9;
 
@@ -46,10 +47,12 @@ void Reacher::aim_anew(const Order& order, std::span<const double> q) {
   stuck_ = 0;
 }
 
-// what null space returns to: the posture in rhythm for a human arm, the middle of the ranges for any other chain
+// what null space returns to: the posture in rhythm for a human arm; for any other chain rest, a little towards the
+// middle of the ranges, because a posture at its limits leaves no room to move
 void Reacher::posture_for(const Order& order, std::span<double> posture) const {
   const Packed& chain = engine_.solver().packed();
-  for (int i = 0; i < chain.n; ++i) posture[i] = 0.5 * (chain.lower[i] + chain.upper[i]);
+  for (int i = 0; i < chain.n; ++i)
+    posture[i] = chain.rest[i] + towards_middle * (0.5 * (chain.lower[i] + chain.upper[i]) - chain.rest[i]);
   if (human()) engine_.natural_posture(order.goal, order.solve, posture);
 }
 

@@ -102,8 +102,8 @@ class Fronts {
     dpotrf_("L", &columns, panel, &rows, &info);
     if (info > 0) return 3 * symbolic_.first[s] + info - 1;
     if (below > 0) {
-      const double one = 1, minus = -1, none = 0;
-      dtrsm_("R", "L", "T", "N", &below, &columns, &one, panel, &rows, panel + columns, &rows);
+      const double minus = -1, none = 0;
+      divide_below(panel, rows, columns);
       updates_[s] = {stacks_.push(s, std::size_t(below) * below), below};
       dsyrk_("L", "N", &below, &columns, &minus, panel + columns, &rows, &none, updates_[s].values, &below);
     }
@@ -114,6 +114,21 @@ class Fronts {
     }
     stacks_.pop_children_of(s, popped);
     return -1;
+  }
+
+  /// rows below the diagonal block times the inverse of its transpose, a strip of columns at a time: OpenBLAS
+  /// multiplies matrices twice as fast as it solves triangles
+  static void divide_below(double* panel, int rows, int columns) {
+    constexpr int strip = 32;
+    const double one = 1, minus = -1;
+    const int below = rows - columns;
+    for (int c = 0; c < columns; c += strip) {
+      const int wide = std::min(strip, columns - c);
+      double* mine = panel + std::size_t(c) * rows + columns;
+      if (c > 0)
+        dgemm_("N", "T", &below, &wide, &c, &minus, panel + columns, &rows, panel + c, &rows, &one, mine, &rows);
+      dtrsm_("R", "L", "T", "N", &below, &wide, &one, panel + std::size_t(c) * rows + c, &rows, mine, &rows);
+    }
   }
 
   void gather_matrix(int s, double* panel, int rows) const {

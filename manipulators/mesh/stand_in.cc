@@ -45,23 +45,25 @@ Surface tube(const std::string& part, int rows, int around, const Vector3d& firs
   return surface;
 }
 
-/// A capsule from p to q, in the surface's frame; its radius tapers a little towards q.
-Surface capsule(const std::string& part, const Vector3d& p, const Vector3d& q, double radius) {
-  constexpr int around = 20;
-  constexpr int cap_rows = 5;
+/// A capsule from p to q with a radius at each, in the surface's frame. Thick ones, the trunk's, end flat: their
+/// neighbours go on from there.
+Surface capsule(const std::string& part, const Vector3d& p, const Vector3d& q, double radius_p, double radius_q) {
+  constexpr int around = 24;
+  constexpr int cap_rows = 6;
+  constexpr double limb = 0.06;
+  const auto height = [](double radius) { return radius > limb ? limb * limb / radius : radius; };
   const Vector3d way = q - p;
   const Vector3d z = way.norm() > 1e-9 ? Vector3d(way.normalized()) : Vector3d::UnitY();
   const Vector3d x = z.unitOrthogonal();
   const Vector3d y = z.cross(x);
-  const int rows = 2 * cap_rows;
-  return tube(part, rows, around, p - radius * z, q + radius * z, [&](int row, int step) {
+  return tube(part, 2 * cap_rows, around, p - height(radius_p) * z, q + height(radius_q) * z, [&](int row, int step) {
     const bool lower = row < cap_rows;
     const double latitude =
         lower ? -M_PI / 2 * (cap_rows - 1 - row) / cap_rows : M_PI / 2 * (row - cap_rows) / cap_rows;
     const double longitude = 2 * M_PI * step / around;
-    return Vector3d(
-        (lower ? p : q) +
-        radius * (std::sin(latitude) * z + std::cos(latitude) * (std::cos(longitude) * x + std::sin(longitude) * y)));
+    const Vector3d across = std::cos(longitude) * x + std::sin(longitude) * y;
+    const double radius = lower ? radius_p : radius_q;
+    return Vector3d((lower ? p : q) + height(radius) * std::sin(latitude) * z + radius * std::cos(latitude) * across);
   });
 }
 
@@ -83,57 +85,64 @@ Vector3d look(double side, double up) {
   return {std::sin(side) * std::cos(up), std::sin(up), std::cos(side) * std::cos(up)};
 }
 
-/// Radius of the head in a direction, metres, for a head of half height 1 in its own middle: a skull that narrows to
-/// the chin, with brow, sockets, nose, cheekbones, lips, chin and the hollow under it.
+/// Radius of the head in a direction from the middle between crown and chin, for a head of half height 1: a skull that
+/// narrows to the jaw, with brow, sockets, nose, cheekbones, lips, chin and ears. Directions of the features as they
+/// lie on a face whose eyes are at half height and whose mouth is a third of the way from there to the chin.
 double head_radius(const Vector3d& d) {
-  // an egg: less wide than deep, narrower below
-  const double wide = 0.66 + 0.05 * d.y();
-  const double deep = 0.80;
+  const double wide = 0.66 + 0.06 * d.y();
+  const double deep = 0.86;
   double r = 1 / std::sqrt(d.x() * d.x() / (wide * wide) + d.y() * d.y() + d.z() * d.z() / (deep * deep));
-  const double front = std::max(0.0, d.z());
   const Bump features[] = {
-      {look(0, 0.26), 0.020, 0.45, 0.10},                                           // brow
-      {look(0.30, 0.12), -0.050, 0.15, 0.10},                                       // sockets
-      {look(-0.30, 0.12), -0.050, 0.15, 0.10}, {look(0, 0.10), 0.050, 0.07, 0.14},  // bridge of the nose
-      {look(0, -0.06), 0.120, 0.09, 0.10},                                          // its tip
-      {look(0.12, -0.11), 0.045, 0.06, 0.05},  {look(-0.12, -0.11), 0.045, 0.06, 0.05},
-      {look(0.50, -0.06), 0.030, 0.20, 0.16},                                          // cheekbones
-      {look(-0.50, -0.06), 0.030, 0.20, 0.16}, {look(0, -0.25), -0.030, 0.30, 0.035},  // under the nose
-      {look(0, -0.345), 0.038, 0.22, 0.045},                                           // upper lip
-      {look(0, -0.405), -0.020, 0.24, 0.020},                                          // mouth
-      {look(0, -0.465), 0.042, 0.20, 0.045},                                           // lower lip
-      {look(0, -0.56), -0.020, 0.25, 0.040},   {look(0, -0.70), 0.075, 0.26, 0.13},    // chin
+      {look(0, -0.62), 0.150, 0.50, 0.34},      // jaw
+      {look(0, 0.19), 0.030, 0.50, 0.09},       // brow
+      {look(0.315, 0.01), -0.055, 0.14, 0.09},  // sockets
+      {look(-0.315, 0.01), -0.055, 0.14, 0.09},
+      {look(0, -0.02), 0.040, 0.08, 0.16},  // bridge of the nose
+      {look(0, -0.25), 0.150, 0.10, 0.09},  // its tip
+      {look(0.13, -0.31), 0.050, 0.07, 0.05},
+      {look(-0.13, -0.31), 0.050, 0.07, 0.05},
+      {look(0.55, -0.20), 0.040, 0.20, 0.15},  // cheekbones
+      {look(-0.55, -0.20), 0.040, 0.20, 0.15},
+      {look(0, -0.42), -0.020, 0.12, 0.040},   // under the nose
+      {look(0, -0.505), 0.030, 0.20, 0.040},   // upper lip
+      {look(0, -0.560), -0.025, 0.22, 0.014},  // mouth
+      {look(0, -0.615), 0.032, 0.18, 0.040},   // lower lip
+      {look(0, -0.72), -0.030, 0.25, 0.045},
+      {look(0, -0.86), 0.060, 0.24, 0.11},               // chin
+      {look(M_PI / 2 + 0.15, -0.12), 0.15, 0.09, 0.20},  // ears
+      {look(-M_PI / 2 - 0.15, -0.12), 0.15, 0.09, 0.20},
   };
   double relief = 0;
   for (const Bump& feature : features) {
     relief += bump(feature, d);
   }
-  r *= 1 + front * relief;
-  // the jaw ends forward; below and behind it the head goes over into the neck
-  r *= 1 - 0.22 * std::max(0.0, -d.y()) * std::max(0.0, 0.35 - d.z());
-  // ears
-  for (double side : {M_PI / 2 - 0.1, -M_PI / 2 + 0.1}) {
-    r *= 1 + bump({look(side, 0.02), 0.16, 0.07, 0.22}, d);
-  }
-  return r;
+  return r * (1 + relief);
 }
 
 /// The modelled head: rows from chin to crown around the vertical, in the surface's frame.
 Surface head(const Bone& bone) {
-  constexpr int rows = 96;
-  constexpr int around = 128;
-  // bone.radius is about half the width of the head; its axis stands in the skull
-  const double half_height = bone.radius / 0.66;
-  const Vector3d middle = bone.from + Vector3d(0, 0.1 * half_height, 0.15 * half_height);
+  constexpr int rows = 112;
+  constexpr int around = 144;
+  // the bone's radius is the mean of half width and half depth; its axis begins in the middle of the head
+  const double half_height = 1.265 * bone.radius;
   const auto at = [&](double latitude, double longitude) -> Vector3d {
     const Vector3d d = look(longitude, latitude);
-    return bone.bind * Vector3d(middle + half_height * head_radius(d) * d);
+    return bone.bind * Vector3d(bone.from + half_height * head_radius(d) * d);
   };
-  Surface surface = tube("skin", rows, around, at(-M_PI / 2, 0), at(M_PI / 2, 0), [&](int row, int step) {
-    const double latitude = -M_PI / 2 + M_PI * (row + 0.5) / rows;
-    return at(latitude, 2 * M_PI * step / around);
-  });
-  return surface;
+  return tube("skin", rows, around, at(-M_PI / 2, 0), at(M_PI / 2, 0),
+              [&](int row, int step) { return at(-M_PI / 2 + M_PI * (row + 0.5) / rows, 2 * M_PI * step / around); });
+}
+
+/// How thick a bone ends: as the one that goes on from there begins, the trunk a little wider than the neck.
+double end_radius(const std::vector<Bone>& bones, const Bone& bone) {
+  constexpr double near = 0.02;
+  double radius = bone.radius;
+  for (const Bone& next : bones) {
+    if (&next != &bone && (next.bind * next.from - bone.bind * bone.to).norm() < near) {
+      radius = std::min(radius, bone.radius > 0.1 ? 1.4 * next.radius : next.radius);
+    }
+  }
+  return radius;
 }
 
 bool ends_with(std::string_view text, std::string_view end) {
@@ -147,6 +156,8 @@ Skin stand_in(const std::vector<Bone>& bones) {
   skin.bones = bones;
   skin.surface.N.resize(0, 3);
   std::vector<int> owner;
+  // skin is about as far from the axis as the radius says; capsules in full would stand out where they meet
+  constexpr double fullness = 0.85;
   for (std::size_t b = 0; b < bones.size(); ++b) {
     const Bone& bone = bones[b];
     const bool is_head = ends_with(bone.name, "head");
@@ -154,8 +165,9 @@ Skin stand_in(const std::vector<Bone>& bones) {
     if (ends_with(bone.name, "jaw")) {
       continue;
     }
-    const Surface piece =
-        is_head ? head(bone) : capsule("skin", bone.bind * bone.from, bone.bind * bone.to, 0.85 * bone.radius);
+    const Surface piece = is_head ? head(bone)
+                                  : capsule("skin", bone.bind * bone.from, bone.bind * bone.to, fullness * bone.radius,
+                                            fullness * end_radius(bones, bone));
     append(skin.surface, piece);
     owner.resize(skin.surface.V.rows(), static_cast<int>(b));
   }

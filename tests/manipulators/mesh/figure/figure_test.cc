@@ -396,6 +396,14 @@ TEST(Scripts, AreNotStale) {
   EXPECT_EQ(figure::gaze_script(sailor.marks), text_of(script("gaze.dlg")));
 }
 
+/// What a shell command prints.
+std::string output_of(const std::string& command) {
+  FILE* pipe = popen(command.c_str(), "r");
+  std::string printed;
+  for (char buffer[4096]; const std::size_t n = std::fread(buffer, 1, sizeof buffer, pipe);) printed.append(buffer, n);
+  return pclose(pipe) == 0 ? printed : "failed: " + printed;
+}
+
 TEST(Scripts, NeckIsWhatHeadIkPrints) {
   const std::string program = std::string(BIN_DIR) + "/head_ik";
   if (!std::filesystem::exists(program)) GTEST_SKIP() << "head_ik has not been built beside this test";
@@ -403,12 +411,26 @@ TEST(Scripts, NeckIsWhatHeadIkPrints) {
   std::string first;
   std::getline(neck, first);
   const std::string options = first.substr(first.find("--figure-neck"));
-  FILE* pipe = popen((program + " " + options).c_str(), "r");
-  ASSERT_NE(pipe, nullptr);
-  std::string printed;
-  for (char buffer[4096]; const std::size_t n = std::fread(buffer, 1, sizeof buffer, pipe);) printed.append(buffer, n);
-  ASSERT_EQ(pclose(pipe), 0);
+  const std::string printed = output_of(program + " " + options);
   EXPECT_EQ(first + "\n" + printed, text_of(script("neck.dlg")));
+}
+
+TEST(Scripts, BuildTheSkeletonInTheWorldThatWasMeant) {
+  NEEDS_BODY();
+  const std::string manager = std::string(BIN_DIR) + "/dialog_manager";
+  if (!std::filesystem::exists(manager)) GTEST_SKIP() << "dialog_manager has not been built beside this test";
+  // the world's own scene graph is the witness; numbers in the scripts have nine decimals, added up along a chain
+  const auto X = figure::frames(sailor.skeleton, [](const figure::Part& part) { return part.stand; });
+  const char* names[] = {"head", "right_hand", "left_fingertip", "right_foot", "left_toes", "left_eye_socket"};
+  std::string command = manager + " -c 'source " + script("skeleton.dlg") + " under crew/mate'";
+  command.insert(manager.size(), " -c 'create node crew position 1 2 3'");
+  for (const char* name : names) command += std::string(" -c 'get crew/mate/") + name + ".world_position'";
+  std::istringstream printed(output_of(command));
+  for (const char* name : names) {
+    Vector3d p = Vector3d::Zero();
+    printed >> p.x() >> p.y() >> p.z();
+    EXPECT_LT((p - Vector3d(1, 2, 3) - X.at(name).translation()).norm(), 1e-7) << name;
+  }
 }
 
 TEST(Scripts, NumbersAreShortAndNeverMinusZero) {

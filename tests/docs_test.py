@@ -57,7 +57,7 @@ def main():
                 count += 1
                 done = subprocess.run(["bash", "-c", command], cwd=folder, env={**environment, "HOME": folder}, stdin=subprocess.DEVNULL,
                                       stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=120, check=False)
-                got = done.stdout.decode("utf-8", "replace").split("\n")[:-1]
+                got = done.stdout.decode("utf-8", "replace").removesuffix("\n").split("\n") if done.stdout else []
                 unexpected = done.returncode != 0 and not any("error" in line for line in wanted)
                 if unexpected or not fits(wanted, got):
                     failed += 1

@@ -1,7 +1,6 @@
 """How dialog_manager is started, what it prints where, and with which status it ends."""
 
 import os
-import pty
 import signal
 import subprocess
 
@@ -181,28 +180,6 @@ class Invocation(Case):
         process.send_signal(signal.SIGINT)
         process.communicate(timeout=sailor.PATIENCE)
         self.assertIn(process.returncode, (1, 130, -signal.SIGINT))
-
-    def test_a_terminal_gets_a_prompt(self):
-        main, other = pty.openpty()
-        process = subprocess.Popen([BIN / "dialog_manager", "--norc"], cwd=self.folder, env=sailor.environment(self.folder),
-                                   stdin=other, stdout=other, stderr=other, start_new_session=True)
-        self.addCleanup(process.kill)
-        os.close(other)
-        seen = b""
-        while b">" not in seen:
-            seen += os.read(main, 4096)
-        os.write(main, b"create node a\rlist\rquit\r")
-        try:
-            while True:
-                data = os.read(main, 4096)
-                if not data:
-                    break
-                seen += data
-        except OSError:
-            pass
-        self.assertEqual(process.wait(sailor.PATIENCE), 0, seen)
-        self.assertRegex(seen.decode(), r"\na\r?\n")
-        os.close(main)
 
 
 if __name__ == "__main__":

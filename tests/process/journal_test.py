@@ -141,7 +141,8 @@ class Journal(Journals):
                 manager = self.manager("--journal", "kept")
                 manager.must("create sphere ball")
                 manager.send(b"".join(b"@%d set ball.position %d 0 0\n" % (n, n) for n in range(1, 5000)))
-                manager.answer("100")
+                for n in range(1, 101):
+                    manager.answer(str(n))
                 os.kill(manager.pid, signal.SIGKILL)
                 manager.process.wait()
                 acknowledged = 100
@@ -166,6 +167,7 @@ class Journal(Journals):
                 except (AssertionError, BrokenPipeError):
                     # it may refuse to begin at all, saying so
                     self.assertEqual(manager.process.wait(), 1)
+                    manager.error_reader.join(sailor.PATIENCE)
                     self.assertRegex("\n".join(manager.errors), "io")
                     continue
                 accepted = 0

@@ -353,6 +353,30 @@ class Manipulators(Walkers):
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertEqual((self.folder / "shown").read_text(), "launched three\n")
 
+    def test_a_world_of_many_types_that_name_each_other_is_told(self):
+        count = 60
+        manager = self.manager()
+        manager.must("type t0 extends node")
+        manager.must("field t0.next ref:node")
+        for n in range(1, count):
+            manager.must(f"type t{n} extends t0")
+            manager.must(f"field t{n}.own{n} real = {n}")
+        self.file("ear", "#!/bin/sh\necho 'reads t0'\necho ready\nwhile read verb what rest; do\necho \"$verb $what $rest\" >> heard\n"
+                  "[ $verb = tick ] && echo done $what\ndone\n")
+        os.chmod(self.folder / "ear", 0o755)
+        manager.must("start ./ear")
+        for n in range(count):
+            manager.must(f"create t{n} o{n}")
+        for n in range(count - 1):
+            manager.must(f"set o{n}.next o{n + 1}")
+        manager.must(f"set o{count - 1}.next o0")
+        manager.must("step 2")
+        manager.finish()
+        heard = (self.folder / "heard").read_text().splitlines()
+        self.assertEqual(len([line for line in heard if line.startswith("create t")]), count)
+        for n in range(count):
+            self.assertTrue([line for line in heard if f"o{(n + 1) % count}" in line.split() and line.startswith((f"set o{n}.next", f"create t{n} o{n} "))], n)
+
     def test_rate_and_timeout_of_a_program(self):
         self.file("slow", "#!/bin/sh\necho 'rate 5Hz'\necho ready\nwhile read verb number rest; do\n[ $verb = tick ] && echo $number >> ticks\n"
                   "echo done $number\ndone\n")

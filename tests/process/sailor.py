@@ -69,7 +69,8 @@ class Manager:
         self.tag = 0
         threading.Thread(target=self._read, daemon=True).start()
         if stderr is None:
-            threading.Thread(target=self._read_errors, daemon=True).start()
+            self.error_reader = threading.Thread(target=self._read_errors, daemon=True)
+            self.error_reader.start()
 
     def _read(self):
         for line in self.process.stdout:

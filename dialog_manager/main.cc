@@ -87,6 +87,12 @@ int main(int argc, char** argv) {
     }
   }
   options.read_input = options.texts.empty() || options.interactive;
+  options.terminal = options.read_input && !options.framed && ::isatty(STDIN_FILENO) != 0;
+  options.interactive = options.interactive || options.terminal;
+  if (options.terminal && !no_rc)
+    if (const char* home = std::getenv("HOME"); home != nullptr)
+      if (const objdb::Result<std::string> text = manager::read_script(std::string(home) + "/.dialog_managerrc"))
+        options.texts.insert(options.texts.begin(), {std::string(home) + "/.dialog_managerrc", *text, true});
   struct stat input {};
   if (options.read_input && ::fstat(STDIN_FILENO, &input) == 0 && S_ISDIR(input.st_mode)) {
     std::cerr << "dialog_manager: error io standard input is a folder\n";

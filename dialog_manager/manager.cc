@@ -11,6 +11,7 @@
 #include <filesystem>
 #include <limits>
 
+#include "dialog_manager/completion.h"
 #include "dialog_manager/replay.h"
 
 namespace manager {
@@ -60,6 +61,10 @@ Manager::Manager(Options options)
   world.keep_history(history_limit);
   clock.set_pace(options_.pace);
   loop_.on_signal({SIGINT, SIGTERM, SIGHUP}, [this](int signal) {
+    if (signal == SIGINT && prompt_) {
+      interrupt();
+      return;
+    }
     signal_ = signal;
     quitting_ = true;
   });
@@ -88,7 +93,16 @@ void Manager::open_streams() {
   if (!options_.read_input) return;
   Input input;
   input.name = "<stdin>";
-  input.live = std::make_unique<channel::Reader>(loop_, STDIN_FILENO, channel::Descriptor::shared, 65536);
+  if (options_.terminal) {
+    prompt_ =
+        std::make_unique<Prompt>(loop_, [this](const std::string& line, std::size_t start, const std::string& word) {
+          return complete(*this, line, start, word);
+        });
+    main_->abbreviate(true);
+    input.live = std::make_unique<channel::Reader>(loop_, prompt_->reader(), channel::Descriptor::own, 65536);
+  } else {
+    input.live = std::make_unique<channel::Reader>(loop_, STDIN_FILENO, channel::Descriptor::shared, 65536);
+  }
   main_->enqueue(std::move(input));
 }
 
@@ -115,6 +129,7 @@ int Manager::run() {
     else
       loop_.wait(next_deadline());
   }
+  prompt_.reset();
   end_programs();
   traces_.clear();
   for (const std::string& path : made_fifos_) ::unlink(path.c_str());
@@ -165,9 +180,7 @@ bool Manager::step_sessions() {
   return did;
 }
 
-bool Manager::all_read() const {
-  return main_->finished() && scheduled_->operation() == nullptr && !tick_in_flight() && !options_.interactive;
-}
+bool Manager::all_read() const { return main_->finished() && scheduled_->operation() == nullptr && !tick_in_flight(); }
 
 std::optional<Wall::time_point> Manager::next_deadline() const {
   std::optional<Wall::time_point> first;
@@ -188,9 +201,31 @@ std::optional<Wall::time_point> Manager::next_deadline() const {
 void Manager::flush() {
   // first the journal, then what acknowledges it
   if (journal_) journal_->flush(false);
+  // what is told while somebody types stands above what is typed
+  if (prompt_ && (out_.pending() > 0 || errors_.pending() > 0)) prompt_->hide();
   for (const auto& manipulator : manipulators_) manipulator->flush();
   out_.flush();
   errors_.flush();
+  if (prompt_ && main_->idle() && out_.pending() == 0 && errors_.pending() == 0) prompt_->show();
+}
+
+void Manager::interrupt() {
+  if (main_->operation() != nullptr) {
+    free_ = false;
+    main_->end_operation(*this, Error{ErrorKind::gone, "interrupted", 0});
+  } else {
+    prompt_->cancel();
+  }
+}
+
+const Command* Manager::abbreviated(std::string_view verb) const {
+  const Command* found = nullptr;
+  for (const Command* command : commands())
+    if (command->name.starts_with(verb)) {
+      if (found != nullptr) return nullptr;
+      found = command;
+    }
+  return found;
 }
 
 // -- commands
@@ -200,6 +235,8 @@ Outcome Manager::execute(Source& source, Session* session, const LineWords& word
   const Words all = words.words();
   Call call{*this, source, session, scope, all[0], all.subspan(1), line, out};
   const Command* command = all[0].quoted ? nullptr : find_command(all[0].text);
+  if (command == nullptr && session != nullptr && session->abbreviates() && !all[0].quoted)
+    command = abbreviated(all[0].text);
   if (command == nullptr) {
     for (const auto& manipulator : manipulators_)
       for (const Manipulator::Verb& verb : manipulator->verbs())

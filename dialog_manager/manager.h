@@ -11,6 +11,7 @@
 #include "dialog_manager/journal.h"
 #include "dialog_manager/line_log.h"
 #include "dialog_manager/manipulator.h"
+#include "dialog_manager/prompt.h"
 #include "dialog_manager/schedule.h"
 #include "dialog_manager/session.h"
 #include "dialog_manager/trace.h"
@@ -27,6 +28,7 @@ struct Options {
   };
   std::vector<Text> texts;   ///< scripts and -c commands, in order
   bool interactive = false;  ///< a prompt (after the texts)
+  bool terminal = false;     ///< the prompt is on a terminal
   bool read_input = false;   ///< commands from standard input
   bool framed = false;
   bool keep_going = false;
@@ -146,6 +148,8 @@ class Manager {
   void event(std::string_view text);
   channel::Writer& errors() { return errors_; }
   channel::Loop& loop() { return loop_; }
+  /// Ctrl-C: drops the line that is typed, or ends what the main conversation waits for.
+  void interrupt();
   std::uint16_t add_source(std::string name);
   bool quitting() const { return quitting_; }
   void quit() { quitting_ = true; }
@@ -156,6 +160,7 @@ class Manager {
 
  private:
   static int open_fifo(const std::string& path);
+  const Command* abbreviated(std::string_view verb) const;
   Outcome check_only(Call& call, const Command& command);
   Outcome forward(Call& call, Manipulator& manipulator, const Manipulator::Verb& verb);
   bool step();
@@ -179,6 +184,7 @@ class Manager {
   channel::Loop loop_;
   channel::Writer out_, errors_;
   std::vector<std::string> source_names_;
+  std::unique_ptr<Prompt> prompt_;
   std::unique_ptr<Session> main_;
   std::unique_ptr<Session> scheduled_;
   std::vector<std::unique_ptr<Session>> speakers_, ending_;

@@ -4,9 +4,8 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <unordered_map>
 #include <vector>
-
-#include <tsl/robin_map.h>
 
 #include "dialog_manager/channel/loop.h"
 #include "dialog_manager/channel/process.h"
@@ -165,9 +164,9 @@ class Manipulator : public Source, public objdb::Gate {
   bool subscribed_ = false;
   std::vector<bool> told_;
   std::vector<bool> told_types_;
-  std::vector<const objdb::Object*> fresh_;                // met, not yet told
-  std::vector<std::pair<objdb::ObjectId, int>> deferred_;  // delayed reads of this tick
-  tsl::robin_map<const objdb::Type*, Interest> interests_;
+  std::vector<const objdb::Object*> fresh_;                     // met, not yet told
+  std::vector<std::pair<objdb::ObjectId, int>> deferred_;       // delayed reads of this tick
+  std::unordered_map<const objdb::Type*, Interest> interests_;  // whose values stay where they are as it grows
   std::string outgoing_;
 
   std::string log_;  // every line told, for a restart

@@ -71,6 +71,14 @@ class Session : public Source {
   /// How many texts are being read, one within the other.
   std::size_t depth() const { return stack_.size(); }
   const Input* input() const { return stack_.empty() ? nullptr : &stack_.back(); }
+  /// Verbs may be shortened here while unambiguous.
+  bool abbreviates() const { return abbreviates_; }
+  void abbreviate(bool abbreviates) { abbreviates_ = abbreviates; }
+  /// Ready for the next line: nothing runs, nothing is left of a script.
+  bool idle() const {
+    return !operation_ && queue_.empty() && stack_.size() == 1 && stack_.back().live &&
+           !stack_.back().live->lines().has_line();
+  }
   Style style() const { return style_; }
   channel::Writer& out() { return out_; }
   channel::Writer& errors() { return errors_; }
@@ -101,6 +109,7 @@ class Session : public Source {
   std::deque<Input> queue_;
   std::vector<Input> stack_;
   std::unique_ptr<Operation> operation_;
+  bool abbreviates_ = false;
   std::size_t longest_line_ = 65536;
   bool failed_ = false;
   bool keep_going_ = false;

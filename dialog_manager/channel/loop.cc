@@ -208,6 +208,35 @@ void Writer::drain(std::chrono::milliseconds limit) {
   }
 }
 
+struct ReadyWatch::Impl {
+  Impl(Loop& loop, int fd, std::function<void()> call) : watched(loop.impl().context), handler(std::move(call)) {
+    const int watch = watched_descriptor(fd, Descriptor::shared, EPOLLIN);
+    if (watch >= 0) watched.assign(watch);
+  }
+  Watched watched;
+  std::function<void()> handler;
+  bool waiting = false;
+};
+
+ReadyWatch::ReadyWatch(Loop& loop, int descriptor, std::function<void()> handler)
+    : impl_(std::make_shared<Impl>(loop, descriptor, std::move(handler))) {}
+
+ReadyWatch::~ReadyWatch() {
+  boost::system::error_code ignored;
+  impl_->watched.close(ignored);
+}
+
+void ReadyWatch::want() {
+  if (impl_->waiting || !impl_->watched.is_open()) return;
+  impl_->waiting = true;
+  impl_->watched.async_wait(Watched::wait_read, [impl = std::weak_ptr(impl_)](const boost::system::error_code& error) {
+    const auto alive = impl.lock();
+    if (!alive || error == asio::error::operation_aborted) return;
+    alive->waiting = false;
+    alive->handler();
+  });
+}
+
 struct ExitWatch::Impl {
   Impl(Loop& loop, int pidfd) : watched(loop.impl().context, pidfd) {}
   Watched watched;

@@ -96,6 +96,18 @@ class Writer {
   std::shared_ptr<Impl> impl_;
 };
 
+/// Calls `handler` when a shared descriptor has something to read, each time want() asked for it.
+class ReadyWatch {
+ public:
+  ReadyWatch(Loop& loop, int descriptor, std::function<void()> handler);
+  ~ReadyWatch();
+  void want();
+
+ private:
+  struct Impl;
+  std::shared_ptr<Impl> impl_;
+};
+
 /// Calls `handler` once, when the process of this pidfd has ended. Closes the pidfd.
 class ExitWatch {
  public:

@@ -219,12 +219,13 @@ void Manager::interrupt() {
 }
 
 const Command* Manager::abbreviated(std::string_view verb) const {
+  // the shortest that fits, when all others that fit only go on from it: lis is list, beside listen
   const Command* found = nullptr;
   for (const Command* command : commands())
-    if (command->name.starts_with(verb)) {
-      if (found != nullptr) return nullptr;
+    if (command->name.starts_with(verb) && (found == nullptr || command->name.size() < found->name.size()))
       found = command;
-    }
+  for (const Command* command : commands())
+    if (command->name.starts_with(verb) && !command->name.starts_with(found->name)) return nullptr;
   return found;
 }
 

@@ -89,6 +89,7 @@ Prompt::Prompt(channel::Loop& loop, Complete complete) : impl_(std::make_unique<
   }
   impl_->keys = std::make_unique<channel::ReadyWatch>(loop, STDIN_FILENO, [this] {
     if (impl_->visible) rl_callback_read_char();
+    if (impl_->visible) impl_->keys->want();
   });
 }
 

@@ -121,9 +121,10 @@ std::optional<ShadowView> shadow_view(const Scene& scene, const Camera& camera, 
 
 GeometryPointer ground_disc() {
   auto geometry = std::make_shared<Geometry>();
-  // rings, so that interpolated positions stay exact enough near the camera
-  const std::vector<float> radii = {0, 0.01f, 0.1f, 1};
-  constexpr std::uint32_t columns = 32;
+  // rings that are denser near the camera, where the light on them changes with distance
+  const std::vector<float> radii = {0,    0.001f, 0.003f, 0.006f, 0.01f, 0.02f, 0.03f, 0.045f, 0.06f, 0.08f,
+                                    0.1f, 0.13f,  0.16f,  0.2f,   0.24f, 0.28f, 0.32f, 0.36f,  0.5f,  1};
+  constexpr std::uint32_t columns = 64;
   for (float radius : radii) {
     for (std::uint32_t c = 0; c < columns; ++c) {
       const float angle = 2 * std::numbers::pi_v<float> * static_cast<float>(c) / columns;
@@ -140,6 +141,114 @@ GeometryPointer ground_disc() {
   }
   geometry->close();
   return geometry;
+}
+
+// a grid over the picture from -1 to 1
+GeometryPointer screen_grid() {
+  auto geometry = std::make_shared<Geometry>();
+  constexpr std::uint32_t columns = 32;
+  constexpr std::uint32_t rows = 48;
+  for (std::uint32_t r = 0; r <= rows; ++r) {
+    for (std::uint32_t c = 0; c <= columns; ++c) {
+      geometry->vertices.push_back(
+          {{2.0f * static_cast<float>(c) / columns - 1, 2.0f * static_cast<float>(r) / rows - 1, 0}, {0, 0, 1}, {}});
+      if (r == 0 || c == 0) continue;
+      const std::uint32_t d = r * (columns + 1) + c;
+      const std::uint32_t b = d - columns - 1;
+      geometry->add({b - 1, b, d});
+      geometry->add({b - 1, d, d - 1});
+    }
+  }
+  geometry->close();
+  return geometry;
+}
+
+// a rectangle of the picture in pixels from its upper left corner
+struct Rectangle {
+  int left = 0, top = 0, right = 0, bottom = 0;  // right and bottom are outside
+  int width() const { return std::max(0, right - left); }
+  int height() const { return std::max(0, bottom - top); }
+};
+
+// clip coordinates to a rectangle with a margin; they are already turned upside down
+Rectangle rectangle_of(const Eigen::Vector2f& low, const Eigen::Vector2f& high, Size size) {
+  const Eigen::Vector2f half(static_cast<float>(size.width) / 2, static_cast<float>(size.height) / 2);
+  const Eigen::Vector2f from = ((low.array() + 1) * half.array()).cwiseMax(-1e6f);
+  const Eigen::Vector2f to = ((high.array() + 1) * half.array()).cwiseMin(1e6f);
+  const float margin = static_cast<float>(size.height) * 0.02f + 4;
+  return {std::clamp(static_cast<int>(from.x() - margin), 0, size.width),
+          std::clamp(static_cast<int>(from.y() - margin), 0, size.height),
+          std::clamp(static_cast<int>(to.x() + margin), 0, size.width),
+          std::clamp(static_cast<int>(to.y() + margin), 0, size.height)};
+}
+
+// where there is anything to be lit
+Rectangle covered(const Scene& scene, const std::vector<Seen>& seen, const Eigen::Matrix4f& clip_from_world,
+                  Size size) {
+  Eigen::Vector2f low(2, 2), high(-2, -2);
+  for (const Seen& one : seen) {
+    const Eigen::AlignedBox3f box = world_bounds(scene.drawables[one.drawable]);
+    for (int k = 0; k < 8; ++k) {
+      const Eigen::Vector3f corner = box.corner(static_cast<Eigen::AlignedBox3f::CornerType>(k));
+      const Eigen::Vector4f c = clip_from_world * Eigen::Vector4f(corner.x(), corner.y(), corner.z(), 1);
+      if (c.w() < 1e-3f) return {0, 0, size.width, size.height};
+      low = low.cwiseMin(c.head<2>() / c.w());
+      high = high.cwiseMax(c.head<2>() / c.w());
+    }
+  }
+  return low.x() > high.x() ? Rectangle() : rectangle_of(low, high, size);
+}
+
+// how many rows from the top can show sky: with a ground those above where it ends
+int sky_rows(const Scene& scene, const FrameBlock& frame, int height) {
+  // from the ground or from below it the sky is everywhere
+  const bool above = frame.eye.y() > scene.surroundings.ground_height + 0.05f;
+  if (scene.surroundings.ground == Ground::none || !above || frame.ray_down.y() >= -1e-4f) return height;
+  const float end = std::max(0.0f, frame.eye.y() - scene.surroundings.ground_height) / frame.horizon.w();
+  float lowest = -1;
+  for (float side : {-1.0f, 1.0f}) {
+    // the ray meets the ground's end where its height over depth is -end, a little less to be safe
+    const float level = frame.ray_centre.y() + side * frame.ray_right.y() + 1.5f * end + 0.01f;
+    lowest = std::max(lowest, level / -frame.ray_down.y());
+  }
+  return std::clamp(static_cast<int>((lowest + 1) / 2 * static_cast<float>(height)) + 2, 0, height);
+}
+
+// where the ground may be darkened by something: by the key light's shadow or by what stands on it, and, with
+// `and_things`, where these things are themselves
+Rectangle darkened(const Scene& scene, const Eigen::Matrix4f& clip_from_world, Size size, bool and_things) {
+  constexpr float near_by = 0.25f;  // reach of contact shadows [m]
+  const Rectangle everything{0, 0, size.width, size.height};
+  const float ground = scene.surroundings.ground_height;
+  const Light* key = scene.lights.empty() || !scene.lights[0].distant ? nullptr : &scene.lights[0];
+  Eigen::Vector2f low(2, 2), high(-2, -2);
+  bool behind = false;
+  auto add = [&](const Eigen::Vector3f& p) {
+    const Eigen::Vector4f c = clip_from_world * Eigen::Vector4f(p.x(), p.y(), p.z(), 1);
+    behind = behind || c.w() < 1e-3f;
+    if (behind) return;
+    low = low.cwiseMin(c.head<2>() / c.w());
+    high = high.cwiseMax(c.head<2>() / c.w());
+  };
+  for (const Drawable& drawable : scene.drawables) {
+    if (drawable.helper || drawable.on_top || !drawable.casts_shadow) continue;
+    const Eigen::AlignedBox3f box = world_bounds(drawable);
+    if (box.isEmpty()) continue;
+    for (int k = 0; k < 8 && !behind; ++k) {
+      const Eigen::Vector3f corner = box.corner(static_cast<Eigen::AlignedBox3f::CornerType>(k));
+      if (and_things) add(corner);
+      const Eigen::Vector3f away = (corner - box.center()).cwiseSign() * near_by;
+      add({corner.x() + away.x(), ground, corner.z() + away.z()});
+      if (key && key->toward.y() > 0.02f && corner.y() > ground) {
+        add(corner - key->toward * ((corner.y() - ground) / key->toward.y()));
+      } else if (key && corner.y() > ground) {
+        behind = true;
+      }
+    }
+    if (behind) return everything;
+  }
+  if (low.x() > high.x()) return {};
+  return rectangle_of(low, high, size);
 }
 
 // the uniform block without shadow and picture size
@@ -243,16 +352,18 @@ class Canvas::State {
   void draw_shadow_map(const Scene& scene, const ShadowView& view);
   void draw_items(const std::vector<Item>& items, bool lit_later, float line_scale);
   void draw_screen(gl::Program& program);
+  void draw_ground(const Scene& scene, const FrameBlock& frame, Size size);
+  void draw_grid(gl::Program& program, const Geometry& geometry);
 
   std::unique_ptr<Context> context_;
-  std::unique_ptr<gl::Program> surface_, eye_, clear_, flat_, plain_ground_, sea_, sky_, light_, depth_, occlusion_,
-      blur_;
+  std::unique_ptr<gl::Program> surface_, eye_, clear_, flat_, grid_, studio_, studio_far_, sea_, sky_, light_, depth_,
+      occlusion_, blur_;
   std::unique_ptr<ShadowMap> shadow_map_;
   std::unique_ptr<gl::Store> store_;
   std::unique_ptr<gl::Image> nothing_;
   std::map<std::pair<int, int>, std::unique_ptr<Targets>> targets_;
   GLuint frame_buffer_ = 0, empty_array_ = 0;
-  GeometryPointer disc_;
+  GeometryPointer disc_, grid_mesh_;
   Cost cost_;
   int now_ = 0;
 };
@@ -274,9 +385,11 @@ std::string Canvas::State::prepare() {
   eye_ = program(surface_vertex(), eye_fragment());
   clear_ = program(surface_vertex(), clear_fragment());
   flat_ = program(surface_vertex(), flat_fragment());
-  plain_ground_ = program(ground_vertex(), plain_ground_fragment());
+  grid_ = program(ground_vertex(), grid_fragment());
+  studio_ = program(studio_vertex(), studio_fragment());
+  studio_far_ = program(studio_vertex(), shade_fragment());
   sea_ = program(ground_vertex(), sea_fragment());
-  sky_ = program(screen_vertex(), sky_fragment());
+  sky_ = program(sky_vertex(), shade_fragment());
   light_ = program(screen_vertex(), light_fragment());
   depth_ = program(depth_vertex(), depth_fragment());
   occlusion_ = program(screen_vertex(), occlusion_fragment());
@@ -285,6 +398,7 @@ std::string Canvas::State::prepare() {
 
   store_ = std::make_unique<gl::Store>();
   disc_ = ground_disc();
+  grid_mesh_ = screen_grid();
   nothing_ = std::make_unique<gl::Image>(gl::Image::Kind::single, Size{1, 1});
   glGenBuffers(1, &frame_buffer_);
   glGenVertexArrays(1, &empty_array_);
@@ -324,6 +438,37 @@ void Canvas::State::draw_screen(gl::Program& program) {
   ++cost_.calls;
 }
 
+void Canvas::State::draw_grid(gl::Program& program, const Geometry& geometry) {
+  program.use();
+  store_->bind(geometry);
+  store_->draw(geometry, 0);
+  ++cost_.calls;
+}
+
+void Canvas::State::draw_ground(const Scene& scene, const FrameBlock& frame, Size size) {
+  const bool near_lights =
+      std::any_of(scene.lights.begin(), scene.lights.end(), [](const Light& l) { return !l.distant; });
+  const Ground ground = scene.surroundings.ground;
+  if (ground != Ground::studio || near_lights) {
+    draw_grid(ground == Ground::sea ? *sea_ : *grid_, *disc_);
+    return;
+  }
+  // shadows are looked for only where there can be any; the rest in four bands around
+  const Rectangle dark = darkened(scene, frame.clip_from_world, size, false);
+  glEnable(GL_SCISSOR_TEST);
+  auto draw_part = [&](gl::Program& program, const Rectangle& part) {
+    if (part.width() == 0 || part.height() == 0) return;
+    glScissor(part.left, part.top, part.width(), part.height());
+    draw_grid(program, *disc_);
+  };
+  draw_part(*studio_, dark);
+  draw_part(*studio_far_, {0, 0, size.width, dark.top});
+  draw_part(*studio_far_, {0, dark.bottom, size.width, size.height});
+  draw_part(*studio_far_, {0, dark.top, dark.left, dark.bottom});
+  draw_part(*studio_far_, {dark.right, dark.top, size.width, dark.bottom});
+  glDisable(GL_SCISSOR_TEST);
+}
+
 void Canvas::State::draw_shadow_map(const Scene& scene, const ShadowView& view) {
   shadow_map_->target.use();
   glClear(GL_DEPTH_BUFFER_BIT);
@@ -342,9 +487,15 @@ void Canvas::State::draw_shadow_map(const Scene& scene, const ShadowView& view) 
     }
     store_->bind(geometry);
     depth_->set("clip_from_geometry", Eigen::Matrix4f(view.clip_from_world * drawable.X_WG.matrix()));
+    if (geometry.closed && drawable.X_WG.linear().determinant() > 0) {
+      glEnable(GL_CULL_FACE);
+    } else {
+      glDisable(GL_CULL_FACE);
+    }
     store_->draw(geometry, level);
     ++cost_.calls;
   }
+  glDisable(GL_CULL_FACE);
 }
 
 void Canvas::State::draw_items(const std::vector<Item>& items, bool lit_later, float line_scale) {
@@ -465,6 +616,7 @@ std::string Canvas::State::draw(const Scene& scene, const Camera& camera, Size s
   // what the key light sees; polygon offset keeps a surface from shadowing itself
   if (auto view = shadow_view(scene, camera, aspect, seen, map_side)) {
     glEnable(GL_POLYGON_OFFSET_FILL);
+    glFrontFace(GL_CCW);
     glPolygonOffset(1.5f, 2.0f);
     draw_shadow_map(scene, *view);
     glDisable(GL_POLYGON_OFFSET_FILL);
@@ -492,11 +644,20 @@ std::string Canvas::State::draw(const Scene& scene, const Camera& camera, Size s
   nothing_->bind(1);
   if (quality != Quality::draft) {
     upload(frame, targets->grain.size());
+    glClearColor(1, 1, 1, 1);
+    targets->blurred.use();
+    glClear(GL_COLOR_BUFFER_BIT);
     targets->occlusion.use();
+    glClear(GL_COLOR_BUFFER_BIT);
+    // nothing is hidden from the sky far from everything
+    const Rectangle where = darkened(scene, frame.clip_from_world, targets->grain.size(), true);
+    glEnable(GL_SCISSOR_TEST);
+    glScissor(where.left, where.top, where.width(), where.height());
     draw_screen(*occlusion_);
     targets->grain.bind(1);
     targets->blurred.use();
     draw_screen(*blur_);
+    glDisable(GL_SCISSOR_TEST);
     targets->open.bind(1);
     frame.lights.w() = 1;
     upload(frame, drawn);
@@ -508,16 +669,18 @@ std::string Canvas::State::draw(const Scene& scene, const Camera& camera, Size s
   targets->light.use();
   glDepthMask(GL_FALSE);
   glDepthFunc(GL_GREATER);
+  const Rectangle things = covered(scene, seen, frame.clip_from_world, drawn);
+  glEnable(GL_SCISSOR_TEST);
+  glScissor(things.left, things.top, things.width(), things.height());
   draw_screen(*light_);
+  glDisable(GL_SCISSOR_TEST);
   glDepthMask(GL_TRUE);
   glDepthFunc(GL_LEQUAL);
-  if (scene.surroundings.ground != Ground::none) {
-    (scene.surroundings.ground == Ground::sea ? sea_ : plain_ground_)->use();
-    store_->bind(*disc_);
-    store_->draw(*disc_, 0);
-    ++cost_.calls;
-  }
-  draw_screen(*sky_);
+  if (scene.surroundings.ground != Ground::none) draw_ground(scene, frame, drawn);
+  glEnable(GL_SCISSOR_TEST);
+  glScissor(0, 0, drawn.width, sky_rows(scene, frame, drawn.height));
+  draw_grid(*sky_, *grid_mesh_);
+  glDisable(GL_SCISSOR_TEST);
 
   // clear things and explanations
   glEnable(GL_BLEND);

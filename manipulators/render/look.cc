@@ -1,6 +1,7 @@
 #include "manipulators/render/look.h"
 
-#include <algorithm>
+#include <bit>
+#include <type_traits>
 
 namespace render {
 
@@ -102,13 +103,29 @@ Eigen::Isometry3d frame_of(const objdb::Database& world, const Object& node) {
   return X_W;
 }
 
-std::uint64_t last_change(const Object& object, std::initializer_list<std::string_view> fields) {
-  std::uint64_t latest = object.created_event;
+std::uint64_t hash_of(const Object& object, std::initializer_list<std::string_view> fields) {
+  std::uint64_t hash = object.id;
+  auto mix_number = [&](double number) { hash = objdb::hash_word(hash, std::bit_cast<std::uint64_t>(number)); };
+  auto mix = [&](const auto& value) {
+    using T = std::decay_t<decltype(value)>;
+    if constexpr (std::is_same_v<T, std::string>) {
+      hash = objdb::hash_text(value, hash);
+    } else if constexpr (std::is_same_v<T, double>) {
+      mix_number(value);
+    } else if constexpr (std::is_same_v<T, std::int64_t>) {
+      hash = objdb::hash_word(hash, static_cast<std::uint64_t>(value));
+    } else if constexpr (std::is_same_v<T, std::vector<std::string>>) {
+      for (const std::string& text : value) hash = objdb::hash_text(text, hash);
+    } else if constexpr (std::is_same_v<T, std::vector<std::int64_t>>) {
+      for (std::int64_t number : value) hash = objdb::hash_word(hash, static_cast<std::uint64_t>(number));
+    } else {
+      for (double number : value) mix_number(number);
+    }
+  };
   for (std::string_view field : fields) {
-    const int index = object.type->find(field);
-    if (index >= 0) latest = std::max(latest, object.slots[static_cast<std::size_t>(index)].event);
+    if (const Value* value = value_of(object, field)) std::visit(mix, *value);
   }
-  return latest;
+  return hash;
 }
 
 }  // namespace render

@@ -39,7 +39,7 @@ bool is_a(const objdb::Database& world, const objdb::Object& object, std::string
 /// World frame of a node.
 Eigen::Isometry3d frame_of(const objdb::Database& world, const objdb::Object& node);
 
-/// Latest change of any of these fields; 0 for absent ones.
-std::uint64_t last_change(const objdb::Object& object, std::initializer_list<std::string_view> fields);
+/// 64 bits over the values of these fields; absent ones do not count.
+std::uint64_t hash_of(const objdb::Object& object, std::initializer_list<std::string_view> fields);
 
 }  // namespace render

@@ -56,7 +56,7 @@ float key_visibility(vec3 p, vec3 n, float slope) {
   return mix(1.0, sum * 0.25, shadow.z);
 }
 
-float seen_sky() { return mix(1.0, texture(occlusion_map, gl_FragCoord.xy * picture.zw).r, lights.w); }
+float seen_sky(vec2 at) { return mix(1.0, texture(occlusion_map, at * picture.zw).r, lights.w); }
 
 vec3 sky_color(vec3 d) {
   float up = max(d.y, 0.0);
@@ -209,7 +209,42 @@ void main() {
 )";
 }
 
-std::string plain_ground_fragment() {
+std::string studio_vertex() {
+  return std::string(header) + light_functions + R"(
+layout(location = 0) in vec3 position;
+out vec3 p_W;
+out vec3 shade;    // with the key light
+out vec3 shadow_shade;  // without it
+void main() {
+  p_W = vec3(eye.x, earth.w, eye.z) + position * horizon.w;
+  vec3 v = normalize(eye.xyz - p_W);
+  vec3 light = (zenith.rgb * 0.6 + horizon.rgb * 0.4) * zenith.w;
+  for (int i = 1; i < int(lights.x); ++i) light += light_color[i].rgb * max(light_toward[i].y, 0.0);
+  vec3 key = light_color[0].rgb * max(light_toward[0].y, 0.0);
+  // it fades into the horizon
+  float haze = smoothstep(0.0, 0.35, length(eye.xyz - p_W) / horizon.w);
+  vec3 far = sky_color(vec3(-v.x, 0.0, -v.z));
+  shade = developed(mix(earth.rgb * (light + key), far, haze));
+  shadow_shade = developed(mix(earth.rgb * light, far, haze));
+  gl_Position = clip_from_world * vec4(p_W, 1.0);
+}
+)";
+}
+
+std::string studio_fragment() {
+  return std::string(header) + light_functions + R"(
+in vec3 p_W;
+in vec3 shade;
+in vec3 shadow_shade;
+out vec4 pixel;
+void main() {
+  float open = key_visibility(p_W, vec3(0.0, 1.0, 0.0), 1.0 - light_toward[0].y);
+  pixel = vec4(mix(shadow_shade, shade, open) * (0.4 + 0.6 * seen_sky(gl_FragCoord.xy)), 1.0);
+}
+)";
+}
+
+std::string grid_fragment() {
   return std::string(header) + light_functions + R"(
 in vec3 p_W;
 out vec4 pixel;
@@ -225,14 +260,12 @@ void main() {
   float distance = length(v);
   v /= distance;
   vec3 albedo = earth.rgb;
-  if (shadow.w < 1.5) {
-    float footprint = distance * picture.w / lens.x / max(v.y, 0.05) + 1e-5;
-    float fine = max(line(p_W.x, 0.1, 0.0008, footprint), line(p_W.z, 0.1, 0.0008, footprint));
-    float coarse = max(line(p_W.x, 1.0, 0.004, footprint), line(p_W.z, 1.0, 0.004, footprint));
-    albedo *= 1.0 - 0.14 * fine - 0.38 * coarse;
-  }
+  float footprint = distance * picture.w / lens.x / max(v.y, 0.05) + 1e-5;
+  float fine = max(line(p_W.x, 0.1, 0.0008, footprint), line(p_W.z, 0.1, 0.0008, footprint));
+  float coarse = max(line(p_W.x, 1.0, 0.004, footprint), line(p_W.z, 1.0, 0.004, footprint));
+  albedo *= 1.0 - (0.14 * fine + 0.38 * coarse) * (shadow.w < 1.5 ? 1.0 : 0.0);
   // matt and level: only the key's visibility and the sky's differ from place to place
-  vec3 light = (zenith.rgb * 0.6 + horizon.rgb * 0.4) * (zenith.w * seen_sky());
+  vec3 light = (zenith.rgb * 0.6 + horizon.rgb * 0.4) * (zenith.w * seen_sky(gl_FragCoord.xy));
   int count = int(lights.x);
   for (int i = 0; i < count; ++i) {
     vec3 l = light_toward[i].xyz;
@@ -298,12 +331,24 @@ void main() {
 )";
 }
 
-std::string sky_fragment() {
+std::string sky_vertex() {
   return std::string(header) + light_functions + R"(
-in vec3 ray;
-out vec4 pixel;
-void main() { pixel = vec4(developed(sky_color(normalize(ray))), 1.0); }
+layout(location = 0) in vec3 position;
+out vec3 shade;
+void main() {
+  // the sky changes so slowly that a grid over the picture says it all
+  shade = developed(sky_color(normalize(ray_at(position.xy))));
+  gl_Position = vec4(position.xy, 1.0, 1.0);
+}
 )";
+}
+
+std::string shade_fragment() {
+  return std::string(R"(#version 330 core
+in vec3 shade;
+out vec4 pixel;
+void main() { pixel = vec4(shade, 1.0); }
+)");
 }
 
 std::string light_fragment() {
@@ -324,7 +369,7 @@ void main() {
   float roughness = floor(code * 0.125);
   float sheen = (code - roughness * 8.0) * (1.0 / 7.0);
   pixel = vec4(developed(shaded(eye.xyz + step, normalize(geometry.xyz), v, linear(color.rgb),
-                                roughness * (1.0 / 15.0), sheen, skin, seen_sky())), 1.0);
+                                roughness * (1.0 / 15.0), sheen, skin, seen_sky(gl_FragCoord.xy))), 1.0);
 }
 )";
 }

@@ -17,9 +17,12 @@ std::string eye_fragment();      ///< the same for Finish::eye
 std::string screen_vertex();     ///< one triangle over the whole picture, no vertices needed
 std::string light_fragment();    ///< lights what the surface pass left behind, once a pixel
 std::string ground_vertex();
-std::string plain_ground_fragment();  ///< Ground::grid and Ground::studio
-std::string sea_fragment();           ///< Ground::sea
-std::string sky_fragment();
+std::string grid_fragment();    ///< Ground::grid, and Ground::studio under near lights
+std::string studio_vertex();    ///< Ground::studio: light and distance at the vertices
+std::string studio_fragment();  ///< with shadows
+std::string shade_fragment();   ///< what the vertices say, without shadows: the ground far from everything, the sky
+std::string sea_fragment();     ///< Ground::sea
+std::string sky_vertex();
 std::string clear_fragment();  ///< surfaces that are seen through, lit as they are drawn
 std::string flat_fragment();   ///< Finish::unlit
 std::string depth_vertex();    ///< shadow map

@@ -292,31 +292,31 @@ std::array<std::uint8_t, 4> heat(double x) {
   return color;
 }
 
-void add_levels(Geometry& geometry, int most) {
+void add_levels(Geometry& geometry) {
   if (geometry.primitive != Primitive::triangles || geometry.vertices.empty()) return;
   const float* positions = geometry.vertices[0].position.data();
   const std::size_t vertex_count = geometry.vertices.size();
   const float scale = meshopt_simplifyScale(positions, vertex_count, sizeof(Vertex));
-  while (static_cast<int>(geometry.levels.size()) < most) {
+  // shares of the largest extent: on a person half a millimetre, two, six and two centimetres
+  for (float share : {0.0003f, 0.0012f, 0.0035f, 0.012f}) {
     const Level& finer = geometry.levels.back();
-    if (finer.indices.size() < 3 * 800) break;
+    if (finer.indices.size() < 3 * 400) break;
     // each span is simplified by itself, so that the borders between materials stay where they are
     Level coarser;
     float worst = 0;
     for (const Span& span : finer.spans) {
       std::vector<std::uint32_t> kept(span.count);
       float error = 0;
-      const std::size_t wanted = span.count / 12 * 3;
       const std::size_t count =
           meshopt_simplify(kept.data(), finer.indices.data() + span.first, span.count, positions, vertex_count,
-                           sizeof(Vertex), wanted, 0.05f, meshopt_SimplifyLockBorder, &error);
+                           sizeof(Vertex), 0, share, meshopt_SimplifyLockBorder, &error);
       worst = std::max(worst, error * scale);
       coarser.spans.push_back(
           {static_cast<std::uint32_t>(coarser.indices.size()), static_cast<std::uint32_t>(count), span.material});
       coarser.indices.insert(coarser.indices.end(), kept.begin(), kept.begin() + static_cast<std::ptrdiff_t>(count));
     }
     coarser.error = finer.error + worst;
-    if (coarser.indices.size() > finer.indices.size() * 3 / 4) break;
+    if (coarser.indices.size() > finer.indices.size() * 4 / 5) continue;
     geometry.levels.push_back(std::move(coarser));
   }
   ++geometry.topology;

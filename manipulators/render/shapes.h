@@ -38,8 +38,8 @@ void recompute_normals(Geometry& geometry);
 /// A colour for `x` in 0..1: dark blue, teal, yellow, red; even steps in x look even. NaN gives grey.
 std::array<std::uint8_t, 4> heat(double x);
 
-/// Adds coarser levels by edge collapse (meshoptimizer), each with about a quarter of the triangles of the one before,
-/// down to about 200. The levels share the vertices, so a surface that deforms keeps them.
-void add_levels(Geometry& geometry, int most = 4);
+/// Adds up to four coarser levels by edge collapse (meshoptimizer), each as coarse as its error allows: 0.03, 0.12,
+/// 0.35 and 1.2 % of the largest extent. The levels share the vertices, so a surface that deforms keeps them.
+void add_levels(Geometry& geometry);
 
 }  // namespace render

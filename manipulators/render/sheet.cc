@@ -18,7 +18,7 @@ std::string contact_sheet(const std::vector<SheetItem>& items, int columns, Size
   const Size whole{columns * (cell.width + gap) + gap, rows * (cell.height + text + 2 * gap) + gap};
   if (std::string problem = size_problem(whole); !problem.empty()) return problem;
 
-  sheet = Picture(whole, {250, 250, 248, 255});
+  sheet = Picture(whole, {44, 50, 60, 255});
   for (int i = 0; i < count; ++i) {
     const Picture& from = items[static_cast<std::size_t>(i)].picture;
     if (from.width() == 0 || from.height() == 0) continue;

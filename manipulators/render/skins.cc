@@ -227,21 +227,25 @@ void Skins::bind(const objdb::Database& world, const Object& object, Body& body)
     body.report.reason = dressed.error().sentence;
   }
   body.geometry = geometry_of(body.skin.surface);
+  // a body is seen from outside only; the edges of its clothes are closed
+  body.geometry->closed = true;
 }
 
 std::shared_ptr<const Geometry> Skins::skin(const objdb::Database& world, const Object& object, Report& report,
                                             std::vector<Material>& materials) {
   Body& body = bodies_[object.id];
   const std::vector<const Object*> garments = garments_of(world, object);
-  std::uint64_t made_of = last_change(object, {"file", "skeleton"}) + garments.size();
+  std::uint64_t made_of = hash_of(object, {"file", "skeleton"});
   for (const Object* bone : bones_of(world, object)) {
-    made_of +=
-        1 + last_change(*bone, {"from", "to", "radius", "bind_position", "bind_orientation", "twist_from", "twist"});
+    made_of = objdb::hash_word(
+        made_of, hash_of(*bone, {"from", "to", "radius", "bind_position", "bind_orientation", "twist_from", "twist"}));
   }
   for (const Object* garment : garments) {
-    made_of += last_change(*garment, {"skin", "bones", "planes", "lines", "thickness", "flare", "smoothing", "layer"});
+    made_of =
+        objdb::hash_word(made_of, hash_of(*garment, {"bones", "planes", "lines", "thickness", "flare", "smoothing"}));
   }
-  if (made_of != body.made_of) {
+  if (!body.made || made_of != body.made_of) {
+    body.made = true;
     body.made_of = made_of;
     body.report.object = object.id;
     bind(world, object, body);

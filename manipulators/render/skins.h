@@ -44,7 +44,8 @@ class Skins {
     Report report;
   };
   struct Body {
-    std::uint64_t made_of = 0;  // latest change of anything it was made of, and how much there was
+    bool made = false;
+    std::uint64_t made_of = 0;  // hash of all it was made of
     std::string file;
     mesh::Skin skin;
     std::vector<objdb::ObjectId> bones;

@@ -307,9 +307,11 @@ const Object* chosen_camera(const Database& world, const Object* view) {
 
 std::string solid_around(const Scene& scene, const Camera& camera) {
   const Eigen::Vector3f eye = camera.X_WC.translation();
+  // a little aside, so that it does not run along the edges of bodies that stand straight before the camera
+  const Eigen::Vector3f aside = camera.X_WC.linear() * Eigen::Vector3f(0.0137f, 0.0271f, 1);
   for (const Drawable& drawable : scene.drawables) {
     if (drawable.helper || !drawable.geometry->closed || !world_bounds(drawable).contains(eye)) continue;
-    if (crossings(drawable, {eye, camera.X_WC.linear().col(2)}) % 2 == 1) return drawable.path;
+    if (crossings(drawable, {eye, aside}) % 2 == 1) return drawable.path;
   }
   return {};
 }

@@ -1,0 +1,262 @@
+#include "manipulators/render/stage.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <fstream>
+
+#include "manipulators/render/declaration.h"
+#include "manipulators/render/elements.h"
+#include "manipulators/render/look.h"
+#include "manipulators/render/studio.h"
+#include "manipulators/render/world_file.h"
+
+namespace render {
+namespace {
+
+// a world from lines of the language
+class World : public objdb::Database {
+ public:
+  explicit World(const std::string& lines) {
+    EXPECT_EQ(declare_types(declaration, *this), "");
+    const std::string file = testing::TempDir() + "sailor_stage_world.dlg";
+    std::ofstream(file) << lines;
+    problem = read_world(file, *this);
+  }
+  std::string problem;
+};
+
+const Drawable* drawable(const Scene& scene, const std::string& path) {
+  for (const Drawable& one : scene.drawables) {
+    if (one.path == path && !one.helper) return &one;
+  }
+  return nullptr;
+}
+
+int helpers(const Scene& scene) {
+  int count = 0;
+  for (const Drawable& one : scene.drawables) count += one.helper;
+  return count;
+}
+
+TEST(Stage, ShapesStandWhereTheTreeOfFramesPutsThem) {
+  World world(R"(create node table position 1 0.5 0 orientation 0.7071067811865476 0 0.7071067811865476 0
+create box table/crate position 0 0.25 1 size 0.2 0.4 0.6 color 0.1 0.2 0.3
+create sphere ball radius 0.3 scale 1 2 1
+create cylinder post radius 0.1 length 2
+create capsule rod radius 0.1 length 1
+)");
+  ASSERT_EQ(world.problem, "");
+  Stage stage;
+  const Scene scene = stage.compose(world, nullptr, 0);
+  ASSERT_EQ(scene.drawables.size(), 4u);
+  // a quarter turn about Y takes the table's +Z to the world's +X, so the crate's sides swap
+  const Eigen::AlignedBox3f crate = world_bounds(*drawable(scene, "table/crate"));
+  EXPECT_TRUE(crate.center().isApprox(Eigen::Vector3f(2, 0.75f, 0), 1e-5f));
+  EXPECT_TRUE(crate.sizes().isApprox(Eigen::Vector3f(0.6f, 0.4f, 0.2f), 1e-5f));
+  EXPECT_TRUE(drawable(scene, "table/crate")->materials[0].color.isApprox(Eigen::Vector3f(0.1f, 0.2f, 0.3f)));
+  EXPECT_NEAR(world_bounds(*drawable(scene, "ball")).sizes().y(), 1.2f, 1e-5f);
+  EXPECT_NEAR(world_bounds(*drawable(scene, "post")).sizes().y(), 2, 1e-5f);
+  EXPECT_NEAR(world_bounds(*drawable(scene, "rod")).sizes().y(), 1.2f, 1e-5f);
+}
+
+TEST(Stage, InvisibleThingsHideWhatIsBelowThem) {
+  World world(
+      "create node box\ncreate sphere box/a\ncreate sphere b parent box\ncreate sphere c\nset box.visible false\n");
+  ASSERT_EQ(world.problem, "");
+  Stage stage;
+  const Scene scene = stage.compose(world, nullptr, 0);
+  ASSERT_EQ(scene.drawables.size(), 1u);
+  EXPECT_EQ(scene.drawables[0].path, "c");
+}
+
+TEST(Stage, MissingAndBrokenMeshesAreReportedAndTheRestIsDrawn) {
+  const std::string broken = testing::TempDir() + "sailor_broken.obj";
+  std::ofstream(broken) << "v 0 0 nan\nf 1 2 3\n";
+  World world("create mesh lost file nowhere.obj\ncreate mesh broken file " + broken +
+              "\ncreate skin bare\ncreate sphere ball\n");
+  ASSERT_EQ(world.problem, "");
+  Stage stage;
+  const Scene scene = stage.compose(world, nullptr, 0);
+  EXPECT_EQ(scene.drawables.size(), 1u);
+  ASSERT_EQ(stage.reports().size(), 3u);
+  EXPECT_EQ(stage.reports()[0].status, "failed");
+  EXPECT_NE(stage.reports()[0].reason.find("nowhere.obj"), std::string::npos);
+  EXPECT_EQ(stage.reports()[1].status, "failed");
+  EXPECT_NE(stage.reports()[1].reason, "");
+  EXPECT_EQ(stage.reports()[2].status, "none");
+}
+
+TEST(Stage, StandInFollowsItsBone) {
+  World world(R"(create node figure
+create node figure/bones
+create joint figure/elbow dh 0 0 0 0 lower -3 upper 3
+create bone figure/bones/upper from 0 -0.3 0 to 0 0 0 radius 0.05
+create bone figure/bones/lower parent figure/elbow from 0 0 0 to 0 0.3 0 radius 0.05
+create skin figure/body skeleton figure/bones file not_there.obj
+)");
+  ASSERT_EQ(world.problem, "");
+  Stage stage;
+  const Scene before = stage.compose(world, nullptr, 0);
+  ASSERT_EQ(before.drawables.size(), 1u);
+  EXPECT_EQ(stage.reports()[0].status, "stand_in");
+  EXPECT_GT(world_bounds(before.drawables[0]).max().y(), 0.3f);
+  // the elbow turns a right angle about z: the lower bone now points to -X
+  const objdb::Object* elbow = world.find("figure/elbow");
+  ASSERT_TRUE(world.set(*elbow, elbow->type->find("angle"), 1.5707963267948966).ok());
+  const std::uint64_t generation = before.drawables[0].geometry->generation;
+  const Scene after = stage.compose(world, nullptr, 0);
+  EXPECT_LT(world_bounds(after.drawables[0]).min().x(), -0.3f);
+  EXPECT_LT(world_bounds(after.drawables[0]).max().y(), 0.2f);
+  // somebody still shows the old pose, so that one was left alone
+  EXPECT_EQ(before.drawables[0].geometry->generation, generation);
+  EXPECT_GT(world_bounds(before.drawables[0]).max().y(), 0.3f);
+}
+
+TEST(Stage, CamerasLookAtTheirTargets) {
+  World world("create sphere ball position 1 2 3\ncreate camera eye position 1 2 -3 target ball\n");
+  ASSERT_EQ(world.problem, "");
+  const Camera camera = camera_of(world, *world.find("eye"));
+  EXPECT_TRUE(camera.X_WC.linear().col(2).isApprox(Eigen::Vector3f::UnitZ(), 1e-6f));
+}
+
+TEST(Stage, LightsComeFromWhereTheyArePut) {
+  World world("create light sun position 0 3 4\ncreate light lamp kind point position 1 1 1 intensity 2\n");
+  ASSERT_EQ(world.problem, "");
+  Stage stage;
+  const Scene scene = stage.compose(world, nullptr, 0);
+  ASSERT_EQ(scene.lights.size(), 2u);
+  EXPECT_TRUE(scene.lights[0].distant);
+  EXPECT_TRUE(scene.lights[0].toward.isApprox(Eigen::Vector3f(0, 0.6f, 0.8f), 1e-6f));
+  EXPECT_FALSE(scene.lights[1].distant);
+}
+
+TEST(Views, AreSwitchedByFields) {
+  World world(R"(create joint a lower -1 upper 1
+create joint a/b position 0 0.3 0 lower -1 upper 1
+create eyeball eye position 0 1 0
+create sphere ball position 1 1 1
+create view v
+)");
+  ASSERT_EQ(world.problem, "");
+  const objdb::Object& view = *world.find("v");
+  Stage stage;
+  EXPECT_EQ(helpers(stage.compose(world, &view, 0)), 0);
+  auto with = [&](const char* field) {
+    const int index = view.type->find(field);
+    EXPECT_TRUE(world.set(view, index, std::int64_t{1}).ok());
+    const int count = helpers(stage.compose(world, &view, 0));
+    EXPECT_TRUE(world.set(view, index, std::int64_t{0}).ok());
+    return count;
+  };
+  EXPECT_EQ(with("bones"), 2);   // one spindle and all axes
+  EXPECT_EQ(with("limits"), 3);  // two sectors and all needles
+  EXPECT_EQ(with("gaze_rays"), 1);
+  EXPECT_EQ(with("muscles"), 0);  // there are none
+}
+
+TEST(Views, OverlayWritesValuesTimeAndWords) {
+  World world("create sphere ball position 1 2 3\ncreate view v overlay ball.position time \"a word\" nothing.there\n");
+  ASSERT_EQ(world.problem, "");
+  Stage stage;
+  const Scene scene = stage.compose(world, world.find("v"), 1.5);
+  ASSERT_EQ(scene.labels.size(), 4u);
+  EXPECT_EQ(scene.labels[0].text, "ball.position 1 2 3");
+  EXPECT_EQ(scene.labels[1].text, "t = 1.500 s");
+  EXPECT_EQ(scene.labels[2].text, "a word");
+  EXPECT_EQ(scene.labels[3].text, "nothing.there");
+}
+
+TEST(Views, TrailsRememberAsLongAsAsked) {
+  World world("create sphere ball\ncreate view v trails ball trail_time 1s\n");
+  ASSERT_EQ(world.problem, "");
+  const objdb::Object& ball = *world.find("ball");
+  Stage stage;
+  for (int k = 0; k <= 40; ++k) {
+    ASSERT_TRUE(world.set(ball, ball.type->find("position"), objdb::Vec3{0.1 * k, 0, 0}).ok());
+    stage.trails().record(world, 0.05 * k);
+  }
+  const auto& way = stage.trails().of(ball.id);
+  EXPECT_NEAR(way.front().time, 1, 0.051);
+  EXPECT_NEAR(way.back().position.x(), 4, 1e-6);
+  EXPECT_EQ(helpers(stage.compose(world, world.find("v"), 2)), 1);
+  stage.trails().record(world, 0);  // time went back
+  EXPECT_EQ(stage.trails().of(ball.id).size(), 1u);
+}
+
+TEST(Elements, CutLeavesTheFreeFacesOfWhatIsLeft) {
+  // 2 x 1 x 1 cubes: together 10 free faces and 20 edges; after the cut one cube with 6 and 12
+  ElementMesh mesh;
+  for (int x = 0; x < 3; ++x) {
+    for (int y = 0; y < 2; ++y) {
+      for (int z = 0; z < 2; ++z) {
+        mesh.rest.push_back({static_cast<float>(x), static_cast<float>(y), static_cast<float>(z)});
+        mesh.values.push_back(static_cast<float>(x));
+      }
+    }
+  }
+  mesh.nodes = mesh.rest;
+  auto node = [](int x, int y, int z) { return 4 * x + 2 * y + z; };
+  for (int x = 0; x < 2; ++x) {
+    mesh.elements.push_back({node(x, 0, 0), node(x + 1, 0, 0), node(x + 1, 1, 0), node(x, 1, 0), node(x, 0, 1),
+                             node(x + 1, 0, 1), node(x + 1, 1, 1), node(x, 1, 1)});
+  }
+  const CutAway whole = cut_away(mesh, {1, 0, 0, 10});
+  EXPECT_EQ(whole.faces->triangle_count(), 20u);
+  EXPECT_EQ(whole.edges->levels[0].indices.size(), 2u * 20);
+  const CutAway half = cut_away(mesh, {1, 0, 0, -1});
+  EXPECT_EQ(half.faces->triangle_count(), 12u);
+  EXPECT_EQ(half.edges->levels[0].indices.size(), 2u * 12);
+  EXPECT_EQ(half.low, 0);
+  EXPECT_EQ(half.high, 2);
+  // faces look outward: the volume by the divergence theorem is that of one cube
+  double volume = 0;
+  const auto& indices = half.faces->levels[0].indices;
+  for (std::size_t i = 0; i < indices.size(); i += 3) {
+    volume += half.faces->vertices[indices[i]].position.cast<double>().dot(
+                  half.faces->vertices[indices[i + 1]].position.cast<double>().cross(
+                      half.faces->vertices[indices[i + 2]].position.cast<double>())) /
+              6;
+  }
+  EXPECT_NEAR(volume, 1, 1e-6);
+}
+
+TEST(Studio, DoesNotDrawAnUnchangedWorldAgain) {
+  World world("create sphere ball\ncreate view v width 64 height 48\n");
+  Studio studio;
+  Request request;
+  request.view = world.find("v");
+  Picture first, second;
+  EXPECT_EQ(studio.take(world, request, 0, 7, first).status, "ok");
+  EXPECT_EQ(studio.take(world, request, 0, 7, second).status, "ok");
+  EXPECT_EQ(studio.drawn(), 1);
+  EXPECT_EQ(difference(first, second, 1).worst, 0);
+  studio.take(world, request, 0, 8, second);
+  EXPECT_EQ(studio.drawn(), 2);
+}
+
+TEST(Studio, SaysWhatIsWrongWithAPicture) {
+  World world(
+      "create sphere ball radius 1\ncreate camera inside\ncreate camera away position 0 0 -5 orientation 0 0 1 0\n");
+  ASSERT_EQ(world.problem, "");
+  Studio studio;
+  Picture picture;
+  Request request;
+  request.size = Size{64, 48};
+  request.camera = world.find("inside");
+  EXPECT_EQ(studio.take(world, request, 0, 0, picture).status, "inside");
+  request.camera = world.find("away");
+  EXPECT_EQ(studio.take(world, request, 0, 0, picture).status, "empty");
+  request.size = Size{0, 48};
+  EXPECT_EQ(studio.take(world, request, 0, 0, picture).status, "failed");
+}
+
+TEST(WorldFile, NamesTheLineAtFault) {
+  World world("create sphere ball\n\ncreate sphere ball radius 3kg\n");
+  EXPECT_NE(world.problem.find(".dlg:3:"), std::string::npos) << world.problem;
+  objdb::Database other;
+  EXPECT_NE(read_world("/nowhere.dlg", other).find("/nowhere.dlg:1:1: error io"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace render

@@ -42,24 +42,25 @@ Outcome run(Call& call) {
       find_object(manager.world, {target->pattern, call.words[0].column, false}, call.scope);
   if (!found) return found.error();
   const Object& object = **found;
-  int chosen = -1;
   if (!target->field.empty()) {
     const Result<int> index = find_field(object, target->field, target->field_column);
     if (!index) return index.error();
-    chosen = *index;
-    tell_origin(call.out, manager, object, chosen);
-  } else {
-    for (int i = 0; i < static_cast<int>(object.slots.size()); ++i)
-      if (object.slots[static_cast<std::size_t>(i)].origin.line != 0) tell_origin(call.out, manager, object, i);
+    tell_origin(call.out, manager, object, *index);
   }
+  // what its manipulator reports; of an object that nobody reports on, who wrote each value
+  bool reported = false;
   for (int i = 0; i < static_cast<int>(object.slots.size()); ++i) {
     const Field& field = object.type->field(i);
-    if (i == chosen || !is_report(field) || target->field.empty()) continue;
+    if (!is_report(field)) continue;
+    reported = true;
     call.out += "    " + field.name + " ";
     append_value(call.out, field, manager.world.value(object, i), manager.world);
     const std::string unit = field.unit();
     call.out += (unit.empty() ? "" : " " + unit) + "\n";
   }
+  if (target->field.empty() && !reported)
+    for (int i = 0; i < static_cast<int>(object.slots.size()); ++i)
+      if (object.slots[static_cast<std::size_t>(i)].origin.line != 0) tell_origin(call.out, manager, object, i);
   return {};
 }
 

@@ -40,7 +40,7 @@ Packed::Packed(const kinematics::Chain& chain) : n(chain.size()), blocks((n + 3)
   put(base, chain.base);
   put(tool, chain.tool);
   reach = std::max(kinematics::reach_bound(chain), 1e-6);
-  // half the reach makes a radian and the motion it causes at mid-arm weigh alike
+  // measured: any share of the reach from 0.25 to 0.6 does as well; a radian then weighs like what it moves at mid-arm
   length = 0.4 * reach;
 }
 

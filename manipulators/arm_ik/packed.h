@@ -23,7 +23,7 @@ struct Packed {
   alignas(64) double tool[16];
   bool slides = false;  ///< any slide in the chain
   double length = 0.3;  ///< metres that a radian of orientation error weighs
-  double reach = 1;     ///< bound of the distance from the first turn to the tool [m]
+  double reach = 1;     ///< bound of the distance from the first joint to the tool [m]
 };
 
 }  // namespace arm_ik

@@ -147,11 +147,9 @@ Eigen::Matrix<double, 6, Eigen::Dynamic> jacobian(const Chain& chain, std::span<
 
 double reach_bound(const Chain& chain) {
   double sum = chain.tool.p.norm();
-  bool started = false;
   for (const Joint& joint : chain.joints) {
-    started = started || joint.kind == JointKind::turn;
     if (joint.kind == JointKind::slide) sum += std::max(std::abs(joint.lower), std::abs(joint.upper));
-    if (started) sum += joint.p.norm();
+    sum += joint.p.norm();
   }
   return sum;
 }

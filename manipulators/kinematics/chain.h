@@ -73,7 +73,7 @@ std::vector<Pose> frames(const Chain& chain, std::span<const double> q);
 /// velocity [rad], both in the frame in which `base` is given.
 Eigen::Matrix<double, 6, Eigen::Dynamic> jacobian(const Chain& chain, std::span<const double> q);
 
-/// An upper bound of the distance [m] from the first turning joint to the tool's origin: the sum of the links.
+/// An upper bound of the distance [m] from the first joint to the tool's origin: the sum of links and slides.
 double reach_bound(const Chain& chain);
 
 /// The same chain for a body `factor` times as tall: lengths scale, angles stay.

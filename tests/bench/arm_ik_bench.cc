@@ -35,7 +35,7 @@ void print(const std::string& set, const std::string& name, const TrackScore& s)
 void sets_of(const Chain& chain, int count, int peer_count) {
   Engine engine(chain);
   engine.prepare(Method::reach);
-  const auto peers = peers_for(chain);
+  const auto peers = peer_count > 0 ? peers_for(chain) : std::vector<std::unique_ptr<Peer>>();
   const auto row = [&](ProblemSet set, Method method, double position, const std::string& label, int passes) {
     const auto list = problems(chain, set, count, 7);
     print(chain.name + " " + label, name_of(method).data(),

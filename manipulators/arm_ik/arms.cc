@@ -41,7 +41,7 @@ constexpr std::string_view declarations = R"~(
   field arm.memory real[] private "state of the motion"
   field arm.remembered ref:node private "what it reached for"
   type segment extends node "a part of a body with its mass, between two ends in its own frame"
-  field segment.kind word = forearm of head trunk upper_arm forearm hand thigh shank foot "row of de Leva's table (1996)"
+  field segment.kind word = forearm of head trunk upper_trunk middle_trunk lower_trunk upper_arm forearm hand thigh shank foot "row of de Leva's table (1996)"
   field segment.sex word = male of male female
   field segment.body_mass real kg = 73 in 0 1000 "of the whole person"
   field segment.from vec3 m "end nearer to the trunk; vertex, top of the breastbone, heel of head, trunk, foot"

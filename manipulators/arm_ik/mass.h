@@ -7,10 +7,24 @@
 namespace arm_ik {
 
 /// The segments of de Leva's table, each between two landmarks: head vertex to mid-gonion, trunk suprasternale to
-/// mid-hip, limbs from joint centre to joint centre, hand wrist to third metacarpal head, foot heel to toe tip.
-enum class Segment { head, trunk, upper_arm, forearm, hand, thigh, shank, foot };
-constexpr std::array<std::string_view, 8> segment_words = {"head", "trunk", "upper_arm", "forearm",
-                                                           "hand", "thigh", "shank",     "foot"};
+/// mid-hip or its three parts cut at xiphion and navel, limbs from joint centre to joint centre, hand wrist to third
+/// metacarpal head, foot heel to toe tip.
+enum class Segment {
+  head,
+  trunk,
+  upper_trunk,
+  middle_trunk,
+  lower_trunk,
+  upper_arm,
+  forearm,
+  hand,
+  thigh,
+  shank,
+  foot
+};
+constexpr std::array<std::string_view, 11> segment_words = {"head",        "trunk",     "upper_trunk", "middle_trunk",
+                                                            "lower_trunk", "upper_arm", "forearm",     "hand",
+                                                            "thigh",       "shank",     "foot"};
 enum class Sex { male, female };
 
 /// One row: fractions of body mass and, of the segment's length, the distance of the centre of mass from the first

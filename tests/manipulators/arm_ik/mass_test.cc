@@ -5,14 +5,19 @@
 namespace arm_ik {
 namespace {
 
+double mass_of(std::initializer_list<Segment> segments, Sex sex) {
+  double sum = 0;
+  for (const Segment segment : segments) sum += segment_row(segment, sex).mass;
+  return sum;
+}
+
 // head, trunk and twice the six segments of the limbs are the whole body; the table has four decimals
 TEST(Mass, SegmentsAddUpToThePerson) {
+  using enum Segment;
   for (const Sex sex : {Sex::male, Sex::female}) {
-    double sum = 0;
-    for (std::size_t i = 0; i < segment_words.size(); ++i) {
-      sum += (i < 2 ? 1 : 2) * segment_row(static_cast<Segment>(i), sex).mass;
-    }
-    EXPECT_NEAR(sum, 1, 2e-4);
+    const double limbs = 2 * mass_of({upper_arm, forearm, hand, thigh, shank, foot}, sex);
+    EXPECT_NEAR(mass_of({head, trunk}, sex) + limbs, 1, 2e-4);
+    EXPECT_NEAR(mass_of({upper_trunk, middle_trunk, lower_trunk}, sex), mass_of({trunk}, sex), 1e-12);
   }
 }
 

@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
-"""Runs what the documentation shows: every `console` block of the README and of docs/.
+"""Runs what the documentation shows: every `console` block of the README, the guide to the language, and pages with a line `<!-- tested -->`.
 
 A line `$ command` is run by bash in a folder of the page's own, with the executables on PATH and SAILOR_ROOT naming the sources; the lines below it are what it has to print
 (standard output and error together; `...` stands for any lines, `…` for the rest of a line). A command that shows no error must succeed.
-Pages are named on the command line, or all.
+Other pages can be named on the command line.
 """
 
 import os
@@ -48,7 +48,9 @@ def fits(wanted, got):
 
 
 def main():
-    pages = [pathlib.Path(name).resolve() for name in sys.argv[1:]] or [SOURCE / "README.md", *sorted((SOURCE / "docs").glob("*.md"))]
+    pages = [pathlib.Path(name).resolve() for name in sys.argv[1:]] or [
+        SOURCE / "README.md", SOURCE / "docs/language.md",
+        *(page for page in sorted((SOURCE / "docs").glob("*.md")) if "\n<!-- tested -->\n" in page.read_text("utf-8"))]
     environment = {**os.environ, "PATH": f"{BIN}:{SOURCE / 'tests/process/programs'}:{os.environ['PATH']}", "SAILOR_ROOT": str(SOURCE), "LC_ALL": "C.UTF-8"}
     failed = count = 0
     for page in pages:

@@ -22,7 +22,8 @@ void intersect(const Drawable& drawable, const Ray& ray, OnHit on_hit) {
     const Eigen::Vector3f e2 = geometry.vertices[indices[i + 2]].position - a;
     const Eigen::Vector3f p = d.cross(e2);
     const float determinant = e1.dot(p);
-    if (determinant == 0) continue;
+    // slivers and triangles seen edge-on have no reliable answer
+    if (std::abs(determinant) <= 1e-6f * d.norm() * e1.norm() * e2.norm()) continue;
     const Eigen::Vector3f s = o - a;
     const float u = s.dot(p) / determinant;
     if (!(u >= 0 && u <= 1)) continue;

@@ -33,6 +33,8 @@ std::string modifiers_of(unsigned state) {
 class X11Screen : public Screen {
  public:
   X11Screen(Display* display, Size size, const std::string& title) : display_(display) {
+    // both have to be replaced for the program to outlive its X server: one complains, the other ends it
+    XSetIOErrorHandler([](Display*) { return 0; });
     XSetIOErrorExitHandler(
         display_, [](Display*, void* self) { static_cast<X11Screen*>(self)->alive_ = false; }, this);
     const int screen = DefaultScreen(display_);
@@ -174,8 +176,13 @@ class X11Screen : public Screen {
         if (!name) return;
         out.name = name;
         out.modifiers = modifiers_of(event.xkey.state);
-        out.x = static_cast<float>(event.xkey.x);
-        out.y = static_cast<float>(event.xkey.y);
+        // an event that another program sent does not know where the pointer is
+        ::Window root = 0, child = 0;
+        int root_x = 0, root_y = 0, x = 0, y = 0;
+        unsigned mask = 0;
+        XQueryPointer(display_, window_, &root, &child, &root_x, &root_y, &x, &y, &mask);
+        out.x = static_cast<float>(x);
+        out.y = static_cast<float>(y);
         break;
       }
       case ButtonPress:

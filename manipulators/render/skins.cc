@@ -287,6 +287,55 @@ std::shared_ptr<const Geometry> Skins::skin(const objdb::Database& world, const 
   return body.geometry;
 }
 
+std::shared_ptr<const Geometry> Skins::carried(const Object& object, Report& report) {
+  Carried& kept = carried_[object.id];
+  const std::uint64_t triangles = hash_of(object, {"triangles"});
+  const std::uint64_t vertices = hash_of(object, {"vertices"});
+  report = kept.report;
+  if (kept.triangles == triangles && kept.vertices == vertices) return kept.geometry;
+  const bool same_triangles = kept.geometry && kept.triangles == triangles;
+  kept.triangles = triangles;
+  kept.vertices = vertices;
+  kept.report = {object.id, "ok", ""};
+
+  const std::vector<double>* numbers = numbers_of(object, "vertices");
+  const objdb::Value* value = value_of(object, "triangles");
+  const auto* corners = value ? std::get_if<std::vector<std::int64_t>>(value) : nullptr;
+  const std::size_t count = numbers ? numbers->size() / 3 : 0;
+  const bool fits =
+      corners && !corners->empty() && std::all_of(corners->begin(), corners->end(), [&](std::int64_t corner) {
+        return corner >= 0 && corner < static_cast<std::int64_t>(count);
+      });
+  if (!fits) {
+    kept.geometry = nullptr;
+    kept.report.status = count == 0 && (!corners || corners->empty()) ? "none" : "failed";
+    kept.report.reason = kept.report.status == "none"
+                             ? "it has no vertices yet"
+                             : "a triangle names a vertex that is not among its " + std::to_string(count);
+    report = kept.report;
+    return nullptr;
+  }
+  // a window may still be drawing the last shape; new triangles make a new geometry
+  auto geometry = same_triangles && kept.geometry->vertices.size() == count
+                      ? (kept.geometry.use_count() > 1 ? std::make_shared<Geometry>(*kept.geometry) : kept.geometry)
+                      : std::make_shared<Geometry>();
+  geometry->vertices.resize(count);
+  for (std::size_t v = 0; v < count; ++v) {
+    geometry->vertices[v].position =
+        Eigen::Vector3d((*numbers)[3 * v], (*numbers)[3 * v + 1], (*numbers)[3 * v + 2]).cast<float>();
+  }
+  if (geometry->levels[0].indices.empty()) {
+    geometry->levels[0].indices.assign(corners->begin(),
+                                       corners->begin() + static_cast<std::ptrdiff_t>(corners->size() / 3 * 3));
+    geometry->close();
+  }
+  recompute_normals(*geometry);
+  geometry->touch();
+  kept.geometry = geometry;
+  report = kept.report;
+  return geometry;
+}
+
 const mesh::Skin* Skins::bound(ObjectId skin) const {
   const auto found = bodies_.find(skin);
   return found == bodies_.end() || !found->second.geometry ? nullptr : &found->second.skin;

@@ -32,6 +32,11 @@ class Skins {
   std::shared_ptr<const Geometry> skin(const objdb::Database& world, const objdb::Object& object, Report& report,
                                        std::vector<Material>& materials);
 
+  /// The geometry of an object that carries its surface itself, as programs that compute one do: fields `vertices`
+  /// (vec3[] or real[]) in its own frame and `triangles` (int[], three corners each). Normals are made anew with every
+  /// change. Null with a report when the arrays do not fit together.
+  std::shared_ptr<const Geometry> carried(const objdb::Object& object, Report& report);
+
   /// The bound skin of that object, null before its first picture; for exporting.
   const mesh::Skin* bound(objdb::ObjectId skin) const;
   /// The bones of that skin in the order of mesh::Skin::bones.
@@ -55,10 +60,17 @@ class Skins {
     Report report;
   };
 
+  struct Carried {
+    std::uint64_t triangles = 0, vertices = 0;  // hashes
+    std::shared_ptr<Geometry> geometry;
+    Report report;
+  };
+
   void bind(const objdb::Database& world, const objdb::Object& object, Body& body);
 
   std::map<std::string, File> files_;
   std::map<objdb::ObjectId, Body> bodies_;
+  std::map<objdb::ObjectId, Carried> carried_;
 };
 
 /// The surface as a geometry of one span a part, with levels of detail. Empty parts have empty spans.

@@ -185,6 +185,24 @@ void Stage::add_eyeball(const Database& world, const Object& object, Scene& scen
   }
 }
 
+void Stage::add_carried(const Database& world, Scene& scene) {
+  for (const auto& type : world.schema().types()) {
+    if (type->find("vertices") < 0 || type->find("triangles") < 0) continue;
+    for (const Object* object : world.objects_of(*type)) {
+      if (object->type != type.get() || !object->place || !visible(world, *object)) continue;
+      Report report;
+      Drawable drawable;
+      drawable.geometry = skins_.carried(*object, report);
+      if (!drawable.geometry) continue;
+      drawable.path = object->path;
+      drawable.materials = {look_of_shape(*object)};
+      drawable.materials[0].finish = Finish::skin;
+      drawable.X_WG = placed(world, *object, Eigen::Vector3f::Ones());
+      scene.drawables.push_back(std::move(drawable));
+    }
+  }
+}
+
 void Stage::add_lights(const Database& world, Scene& scene) {
   // 1 lights white paper fully once exposed
   constexpr float full = 2.1f;
@@ -249,6 +267,7 @@ Scene Stage::compose(const Database& world, const Object* view, double time) {
   for (const Object* object : all_of(world, "shape")) {
     if (visible(world, *object)) add_shape(world, *object, skin_opacity, scene);
   }
+  add_carried(world, scene);
   // eyes that nobody gave a ball get a usual one
   std::vector<ObjectId> dressed;
   for (const Object* ball : all_of(world, "eyeball")) dressed.push_back(world.scene().parent_of(*ball));

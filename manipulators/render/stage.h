@@ -43,6 +43,7 @@ class Stage {
   bool visible(const objdb::Database& world, const objdb::Object& node);
   void add_shape(const objdb::Database& world, const objdb::Object& object, float skin_opacity, Scene& scene);
   void add_eyeball(const objdb::Database& world, const objdb::Object& object, Scene& scene);
+  void add_carried(const objdb::Database& world, Scene& scene);
   void add_lights(const objdb::Database& world, Scene& scene);
   GeometryPointer capsule_of(const objdb::Object& object);
 

@@ -11,6 +11,7 @@
 #include <thread>
 
 #include "manipulators/render/navigator.h"
+#include "manipulators/render/no_sigpipe.h"
 #include "manipulators/render/pick.h"
 #include "manipulators/render/screen.h"
 #include "objdb/text.h"
@@ -90,6 +91,8 @@ class Window::Server {
   }
 
   void serve(std::promise<std::string>& ready) {
+    // Xlib writes to its server without asking whether it still lives
+    const NoSigpipe guard;
     std::string problem;
     auto canvas = Canvas::make(problem);
     auto screen = canvas ? Screen::open(size_, "The Virtual Sailor", problem) : nullptr;

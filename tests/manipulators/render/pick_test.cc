@@ -46,6 +46,16 @@ TEST(Pick, FindsTheNearestThingUnderThePixelThatShowsIt) {
   EXPECT_FALSE(pick(scene, ray_through(camera, size, 2, 2)));
 }
 
+TEST(Pick, IsNotMisledByTheSliversAtThePoles) {
+  Scene scene;
+  scene.drawables.push_back(body(unit_sphere(), {0, 0, 0}, 0.2f, "ball"));
+  Camera camera;
+  camera.X_WC = looking_at({0, 0, 3}, {0, 0, 0});
+  const auto hit = pick(scene, ray_through(camera, {640, 480}, 320.2f, 240.1f));
+  ASSERT_TRUE(hit);
+  EXPECT_NEAR(hit->point.z(), 0.2f, 1e-3f);
+}
+
 TEST(Pick, OverlooksExplanationsAndThingsBehind) {
   Scene scene;
   scene.drawables.push_back(body(unit_sphere(), {0, 0, 2}, 0.5f, "cone"));

@@ -113,6 +113,25 @@ create skin figure/body skeleton figure/bones file not_there.obj
   EXPECT_GT(world_bounds(before.drawables[0]).max().y(), 0.3f);
 }
 
+TEST(Stage, SurfacesCarriedByObjectsAreDrawnWithFreshNormals) {
+  World world(R"(type sheet extends node
+field sheet.vertices vec3[] m
+field sheet.triangles int[]
+create sheet s vertices 0 0 0 1 0 0 0 1 0 triangles 0 1 2
+create sheet broken vertices 0 0 0 1 0 0 0 1 0 triangles 0 1 3
+create sheet empty
+)");
+  ASSERT_EQ(world.problem, "");
+  Stage stage;
+  const Scene before = stage.compose(world, nullptr, 0);
+  ASSERT_EQ(before.drawables.size(), 1u);
+  EXPECT_TRUE(before.drawables[0].geometry->vertices[0].normal.isApprox(Eigen::Vector3f::UnitZ()));
+  const objdb::Object& sheet = *world.find("s");
+  ASSERT_TRUE(world.set(sheet, sheet.type->find("vertices"), std::vector<double>{0, 0, 0, 0, 1, 0, 0, 0, 1}).ok());
+  const Scene after = stage.compose(world, nullptr, 0);
+  EXPECT_TRUE(after.drawables[0].geometry->vertices[0].normal.isApprox(Eigen::Vector3f::UnitX()));
+}
+
 TEST(Stage, CamerasLookAtTheirTargets) {
   World world("create sphere ball position 1 2 3\ncreate camera eye position 1 2 -3 target ball\n");
   ASSERT_EQ(world.problem, "");

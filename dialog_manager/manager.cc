@@ -499,6 +499,7 @@ Status Manager::listen(const std::string& path) {
                  0};
   std::optional<Input> input = fifo_input(path);
   if (!input) return failed();
+  if (input->live->failed()) return Error{ErrorKind::limit, path + " cannot be listened to: too many open files", 0};
   auto session = std::make_unique<Session>(path, Session::Style::people, out_, errors_);
   session->id = add_source(path);
   session->keep_going(true);

@@ -83,7 +83,11 @@ struct Reader::Impl {
 };
 
 Reader::Reader(Loop& loop, int descriptor, Descriptor kind, std::size_t longest_line)
-    : lines_(longest_line), impl_(std::make_shared<Impl>(loop, descriptor, kind)) {}
+    : lines_(longest_line), impl_(std::make_shared<Impl>(loop, descriptor, kind)) {
+  // our own descriptors are pipes: one that is "always ready" could not be watched
+  failed_ = kind == Descriptor::own && impl_->always_ready;
+  if (failed_) lines_.close();
+}
 
 Reader::~Reader() {
   boost::system::error_code ignored;

@@ -51,6 +51,8 @@ class Reader {
   /// Asks for more bytes when the buffer has no whole line left. Cheap to call when a read is under way already.
   void want();
   LineBuffer& lines() { return lines_; }
+  /// It could not be watched: too many descriptors are open. It is at its end.
+  bool failed() const { return failed_; }
   /// The end of the stream was reached (or reading failed).
   bool at_end() const { return lines_.closed(); }
 
@@ -60,6 +62,7 @@ class Reader {
 
   LineBuffer lines_;
   std::shared_ptr<Impl> impl_;
+  bool failed_ = false;
 };
 
 /// Writes to a descriptor without ever waiting: what does not fit is kept, up to a limit. One Writer a descriptor.

@@ -60,9 +60,11 @@ char** complete_word(const char* word, int start, int) {
   candidates = (*completing)(std::string(rl_line_buffer), static_cast<std::size_t>(start), word);
   if (candidates.empty()) return nullptr;
   rl_attempted_completion_over = 1;
-  // after a path its field or its children may follow
-  rl_completion_append_character =
-      candidates.size() == 1 && (candidates[0].ends_with(".") || candidates[0].ends_with("/")) ? '\0' : ' ';
+  // after a path its field or its children may follow; nothing follows a verb, a type or a field but a blank
+  const std::string before(rl_line_buffer, static_cast<std::size_t>(start));
+  const bool path = start > 0 && candidates[0].find('.') == std::string::npos && !before.starts_with("create ") &&
+                    !before.starts_with("help ");
+  rl_completion_append_character = path ? '\0' : ' ';
   return rl_completion_matches(word, next_candidate);
 }
 

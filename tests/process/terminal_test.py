@@ -19,13 +19,13 @@ class Terminal(Case):
         self.main, self.other = pty.openpty()
         self.before = termios.tcgetattr(self.other)
         self.seen = ""
+        self.addCleanup(os.close, self.main)
+        self.addCleanup(os.close, self.other)
 
     def start(self, *arguments):
         self.process = subprocess.Popen([BIN / "dialog_manager", *arguments], cwd=self.folder, env=sailor.environment(self.folder),
                                         stdin=self.other, stdout=self.other, stderr=self.other, start_new_session=True,
                                         preexec_fn=lambda: __import__("fcntl").ioctl(0, termios.TIOCSCTTY, 0))
-        self.addCleanup(os.close, self.main)
-        self.addCleanup(os.close, self.other)
         self.addCleanup(self.process.wait)
         self.addCleanup(self.process.kill)
         self.prompt()
@@ -42,7 +42,7 @@ class Terminal(Case):
 
     def plain(self):
         """What was shown, without the sequences that move and colour."""
-        return re.sub(r"\x1b\[[0-9;?]*[A-Za-z]|\x1b[()][A-Z0-9]|\x1b[=>]", "", self.seen).replace("\r", "")
+        return re.sub(r"\x1b\[[0-9;?]*[A-Za-z]|\x1b[()][A-Z0-9]|\x1b[=>]", "", self.seen).replace("\r", "").replace("\a", "")
 
     def prompt(self):
         self.until(r"> ?$")

@@ -233,8 +233,8 @@ void measure(const std::string& title, const Scene& scene, float distance, int r
   if (!with_vtk) return;
   write_arrays(*whole, folder);
   std::fflush(stdout);
-  const std::string command = "/usr/bin/env python3 " + std::string(SOURCE_DIR) + "/tests/bench/render_vtk.py " + folder + " " +
-                              std::to_string(distance) + " " + std::to_string(rounds);
+  const std::string command = "/usr/bin/env python3 " + std::string(SOURCE_DIR) + "/tests/bench/render_vtk.py " +
+                              folder + " " + std::to_string(distance) + " " + std::to_string(rounds);
   if (std::system(command.c_str()) != 0) std::printf("  VTK: not measured\n");
 }
 

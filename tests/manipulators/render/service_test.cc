@@ -98,7 +98,7 @@ TEST(Service, GoesOnWithoutADisplay) {
 
 TEST(Service, ReportsAMeshThatIsNotThere) {
   const Talk run = talk("create mesh m file nowhere.obj\ncreate view v width 16 height 16\n@1 snapshot " +
-                       scratch("m.png") + "\nquit\n");
+                        scratch("m.png") + "\nquit\n");
   EXPECT_TRUE(says(run, "@1 ok"));
   EXPECT_TRUE(says(run, "set m.status failed"));
   EXPECT_TRUE(says(run, "set v.status empty"));

@@ -109,7 +109,8 @@ Solution Solver::reach(const Goal& goal, const SolveOptions& options, std::span<
     ++out.starts;
     out.iterations += found.iterations;
     if (found.stationary) ++settled;
-    if (found.cost < least) {
+    // the one that arrives is the answer even if another came nearer in place and missed in orientation
+    if (found.reached || found.cost < least) {
       least = found.cost;
       std::copy_n(trial, packed_.n, q.begin());
       out.position_error = found.position_error;

@@ -42,6 +42,7 @@ TEST(Solver, ColdStartsArriveOnEverySet) {
       EXPECT_EQ(failures(engine, Method::reach, set, 400, 1e-5), 0) << chain.name << " " << name_of(set);
     }
     EXPECT_EQ(failures(engine, Method::reach, ProblemSet::random, 400, 1e-12), 0);
+    EXPECT_EQ(failures(engine, Method::reach, ProblemSet::near_limit, 2000, 1e-2), 0);
     EXPECT_EQ(failures(engine, Method::polish, ProblemSet::random, 200, 1e-12), 0);
     EXPECT_EQ(failures(engine, Method::automatic, ProblemSet::warm, 400, 1e-5), 0);
   }

@@ -28,6 +28,7 @@ enum class Fault {
   muscle,         ///< a muscle without direction, force ends or with a negative radius
   load,           ///< a load on nothing
   limit,          ///< too large for this program
+  landmark,       ///< a part of the face that cannot be found on a head
 };
 
 /// The word of a fault: "inverted", "missed_sphere" ...

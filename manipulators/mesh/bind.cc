@@ -221,6 +221,7 @@ Result<Skin> bind_skin(Surface surface, std::vector<Bone> bones) {
     keep_largest(heat.row(v), v, skin);
   }
   skin.weld = welded(surface.V);
+  skin.origin = own_origin(surface.V.rows());
   skin.surface = std::move(surface);
   skin.bones = std::move(bones);
   return skin;

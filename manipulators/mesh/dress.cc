@@ -24,6 +24,7 @@ Edge edge(int a, int b) { return {std::min(a, b), std::max(a, b)}; }
 struct Point {
   RowVector3f p, n;
   std::array<std::pair<int, float>, Skin::influences> pull;  ///< bone and weight, falling
+  std::map<int, float> made_of;                              ///< vertices that were bound, and their shares
 };
 
 /// The part of `weight` that `bones` hold.
@@ -48,6 +49,12 @@ Point between(const Point& a, const Point& b, float share) {
   const RowVector3f on_b = flat - (flat - b.p).dot(b.n) * b.n;
   mixed.p = flat + roundness * (on_a + share * (on_b - on_a) - flat);
   mixed.n = (a.n + share * (b.n - a.n)).normalized();
+  for (const auto& [vertex, part] : a.made_of) {
+    mixed.made_of[vertex] += (1 - share) * part;
+  }
+  for (const auto& [vertex, part] : b.made_of) {
+    mixed.made_of[vertex] += share * part;
+  }
   std::map<int, float> pull;
   for (const auto& [bone, weight] : a.pull) {
     pull[bone] += (1 - share) * weight;
@@ -99,6 +106,9 @@ Cutter::Cutter(const Skin& skin) : part_(skin.surface.part) {
     point.n = skin.surface.N.row(v);
     for (int i = 0; i < Skin::influences; ++i) {
       point.pull[i] = {skin.index(v, i), skin.weight(v, i)};
+    }
+    for (int i = skin.origin.first[v]; i < skin.origin.first[v + 1]; ++i) {
+      point.made_of[skin.origin.vertex[i]] += skin.origin.share[i];
     }
     points_.push_back(point);
   }
@@ -478,6 +488,7 @@ Skin Lifter::lifted(const Skin& skin) {
   for (const Garment& garment : garments_) {
     result.surface.part_names.push_back(garment.name);
   }
+  result.origin.older = skin.origin.older;
   result.surface.part = new_part_;
   result.surface.V.resize(p_.size(), 3);
   result.index.resize(p_.size(), Skin::influences);
@@ -487,6 +498,11 @@ Skin Lifter::lifted(const Skin& skin) {
     for (int i = 0; i < Skin::influences; ++i) {
       std::tie(result.index(v, i), result.weight(v, i)) = points_[source_[v]].pull[i];
     }
+    for (const auto& [vertex, share] : points_[source_[v]].made_of) {
+      result.origin.vertex.push_back(vertex);
+      result.origin.share.push_back(share);
+    }
+    result.origin.first.push_back(static_cast<int>(result.origin.vertex.size()));
   }
   result.surface.F.resize(new_faces_.size(), 3);
   for (std::size_t f = 0; f < new_faces_.size(); ++f) {

@@ -23,9 +23,9 @@ struct Garment {
 };
 
 /// Cuts the surface of `skin` along the borders of the garments (new vertices carry mixed weights, so borders are
-/// straight and crisp) and makes each garment a part named after it; of two that overlap the later one is seen.
-/// Faces outside all garments keep their parts. Errors: `range` a garment with a bone that does not exist or a plane
-/// without a direction.
+/// straight and crisp, and tell of which vertices they are made) and makes each garment a part named after it; of two
+/// that overlap the later one is seen. Faces outside all garments keep their parts. Errors: `range` a garment with a
+/// bone that does not exist or a plane without a direction.
 Result<Skin> dress(const Skin& skin, const std::vector<Garment>& garments);
 
 }  // namespace mesh

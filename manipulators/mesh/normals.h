@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <vector>
 
 #include "manipulators/mesh/surface.h"
 
@@ -18,5 +19,19 @@ Eigen::VectorXi welded(const Eigen::MatrixX3f& V);
 /// As vertex_normals, with `weld` from welded() of the surface at rest. No allocation beyond N.
 void vertex_normals(const Eigen::MatrixX3f& V, const Eigen::MatrixX3i& F, const Eigen::VectorXi& weld,
                     Eigen::MatrixX3f& N);
+
+/// The part of a surface whose normals change when some vertices move.
+struct Patch {
+  std::vector<int> moved;     ///< the vertices that move, rising
+  std::vector<int> vertices;  ///< whose normals change: every corner of a face that moves, rising
+  std::vector<int> faces;     ///< all faces around `vertices`, rising
+};
+
+/// The patch of the vertices `moved` (any order), which must be numbers of vertices.
+Patch patch_around(const Eigen::MatrixX3i& F, const Eigen::VectorXi& weld, std::vector<int> moved);
+
+/// As vertex_normals for the vertices of `patch` alone; the other rows of N stay. The same bits as for all.
+void vertex_normals(const Eigen::MatrixX3f& V, const Eigen::MatrixX3i& F, const Eigen::VectorXi& weld,
+                    const Patch& patch, Eigen::MatrixX3f& N);
 
 }  // namespace mesh

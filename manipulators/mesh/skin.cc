@@ -3,8 +3,6 @@
 #include <cassert>
 #include <cmath>
 
-#include "manipulators/mesh/normals.h"
-
 namespace mesh {
 namespace {
 
@@ -50,60 +48,85 @@ std::vector<Eigen::Isometry3d> motions(const Skin& skin, const std::vector<Eigen
   return result;
 }
 
-void blend_dual_quaternions(const Skin& skin, const std::vector<Eigen::Isometry3d>& motion, Eigen::MatrixX3f& V) {
-  std::vector<DualQuaternion> bones;
-  for (const Eigen::Isometry3d& m : motion) {
-    bones.push_back(dual_quaternion(m));
+/// Mixes the motions of bones at single vertices.
+class Mixer {
+ public:
+  Mixer(const Skin& skin, const Eigen::MatrixX3f& rest, const std::vector<Eigen::Isometry3d>& pose, Blend blend)
+      : skin_(skin), rest_(rest), linear_(blend == Blend::linear) {
+    for (const Eigen::Isometry3d& motion : motions(skin, pose)) {
+      if (linear_) {
+        matrices_.push_back(motion.matrix().topRows<3>().cast<float>());
+      } else {
+        dual_.push_back(dual_quaternion(motion));
+      }
+    }
   }
-  for (Eigen::Index v = 0; v < V.rows(); ++v) {
-    const DualQuaternion& first = bones[skin.index(v, 0)];
-    Eigen::Vector4f q = skin.weight(v, 0) * first.q;
-    Eigen::Vector4f e = skin.weight(v, 0) * first.e;
-    for (int i = 1; i < Skin::influences && skin.weight(v, i) > 0; ++i) {
+
+  Eigen::RowVector3f at(Eigen::Index v) const { return linear_ ? by_matrices(v) : by_dual_quaternions(v); }
+
+ private:
+  Eigen::RowVector3f by_dual_quaternions(Eigen::Index v) const {
+    const DualQuaternion& first = dual_[skin_.index(v, 0)];
+    Eigen::Vector4f q = skin_.weight(v, 0) * first.q;
+    Eigen::Vector4f e = skin_.weight(v, 0) * first.e;
+    for (int i = 1; i < Skin::influences && skin_.weight(v, i) > 0; ++i) {
       // q and -q are the same rotation: take the one on the side of the strongest bone
-      const DualQuaternion& other = bones[skin.index(v, i)];
-      const float weight = first.q.dot(other.q) < 0 ? -skin.weight(v, i) : skin.weight(v, i);
+      const DualQuaternion& other = dual_[skin_.index(v, i)];
+      const float weight = first.q.dot(other.q) < 0 ? -skin_.weight(v, i) : skin_.weight(v, i);
       q += weight * other.q;
       e += weight * other.e;
     }
     const float scale = 1 / q.norm();
     q *= scale;
     e *= scale;
-    const Eigen::Vector3f p = skin.surface.V.row(v).transpose();
+    const Eigen::Vector3f p = rest_.row(v).transpose();
     const Eigen::Vector3f r = q.head<3>();
     const Eigen::Vector3f rotated = p + 2 * r.cross(r.cross(p) + q[3] * p);
     const Eigen::Vector3f translation = 2 * (q[3] * e.head<3>() - e[3] * r + r.cross(e.head<3>()));
-    V.row(v) = (rotated + translation).transpose();
+    return (rotated + translation).transpose();
   }
-}
 
-void blend_linear(const Skin& skin, const std::vector<Eigen::Isometry3d>& motion, Eigen::MatrixX3f& V) {
-  std::vector<Eigen::Matrix<float, 3, 4>> bones;
-  for (const Eigen::Isometry3d& m : motion) {
-    bones.push_back(m.matrix().topRows<3>().cast<float>());
-  }
-  for (Eigen::Index v = 0; v < V.rows(); ++v) {
-    Eigen::Matrix<float, 3, 4> mixed = skin.weight(v, 0) * bones[skin.index(v, 0)];
-    for (int i = 1; i < Skin::influences && skin.weight(v, i) > 0; ++i) {
-      mixed += skin.weight(v, i) * bones[skin.index(v, i)];
+  Eigen::RowVector3f by_matrices(Eigen::Index v) const {
+    Eigen::Matrix<float, 3, 4> mixed = skin_.weight(v, 0) * matrices_[skin_.index(v, 0)];
+    for (int i = 1; i < Skin::influences && skin_.weight(v, i) > 0; ++i) {
+      mixed += skin_.weight(v, i) * matrices_[skin_.index(v, i)];
     }
-    V.row(v) = (mixed.leftCols<3>() * skin.surface.V.row(v).transpose() + mixed.col(3)).transpose();
+    return (mixed.leftCols<3>() * rest_.row(v).transpose() + mixed.col(3)).transpose();
   }
-}
+
+  const Skin& skin_;
+  const Eigen::MatrixX3f& rest_;
+  bool linear_;
+  std::vector<DualQuaternion> dual_;
+  std::vector<Eigen::Matrix<float, 3, 4>> matrices_;
+};
 
 }  // namespace
 
-void deform(const Skin& skin, const std::vector<Eigen::Isometry3d>& pose, Eigen::MatrixX3f& V, Eigen::MatrixX3f& N,
-            Blend blend) {
-  assert(pose.size() == skin.bones.size());
-  V.resize(skin.surface.V.rows(), 3);
-  const std::vector<Eigen::Isometry3d> motion = motions(skin, pose);
-  if (blend == Blend::linear) {
-    blend_linear(skin, motion, V);
-  } else {
-    blend_dual_quaternions(skin, motion, V);
+void deform(const Skin& skin, const Eigen::MatrixX3f& rest, const std::vector<Eigen::Isometry3d>& pose,
+            Eigen::MatrixX3f& V, Eigen::MatrixX3f& N, Blend blend) {
+  assert(pose.size() == skin.bones.size() && rest.rows() == skin.index.rows());
+  V.resize(rest.rows(), 3);
+  const Mixer mixer(skin, rest, pose, blend);
+  for (Eigen::Index v = 0; v < V.rows(); ++v) {
+    V.row(v) = mixer.at(v);
   }
   vertex_normals(V, skin.surface.F, skin.weld, N);
+}
+
+void deform(const Skin& skin, const std::vector<Eigen::Isometry3d>& pose, Eigen::MatrixX3f& V, Eigen::MatrixX3f& N,
+            Blend blend) {
+  deform(skin, skin.surface.V, pose, V, N, blend);
+}
+
+void deform_patch(const Skin& skin, const Eigen::MatrixX3f& rest, const std::vector<Eigen::Isometry3d>& pose,
+                  const Patch& patch, Eigen::MatrixX3f& V, Eigen::MatrixX3f& N, Blend blend) {
+  assert(pose.size() == skin.bones.size() && V.rows() == rest.rows() && N.rows() == rest.rows());
+  const Mixer mixer(skin, rest, pose, blend);
+  for (int v : patch.moved) {
+    V.row(v) = mixer.at(v);
+  }
+  vertex_normals(V, skin.surface.F, skin.weld, patch, N);
 }
 
 }  // namespace mesh

@@ -4,6 +4,8 @@
 #include <string>
 #include <vector>
 
+#include "manipulators/mesh/normals.h"
+#include "manipulators/mesh/origin.h"
 #include "manipulators/mesh/result.h"
 #include "manipulators/mesh/surface.h"
 
@@ -31,6 +33,7 @@ struct Skin {
   Indices index;            ///< #V by influences, bone of each weight (0 where the weight is 0)
   Weights weight;           ///< #V by influences, falling from left to right
   Eigen::VectorXi weld;     ///< #V, from welded(); used for normals
+  Origin origin;            ///< #V, in terms of the vertices of the surface that was bound
 };
 
 /// How transforms are mixed where several bones pull at a vertex.
@@ -50,5 +53,15 @@ Result<Skin> bind_skin(Surface surface, std::vector<Bone> bones);
 /// V and N are resized to #V by 3. With pose[b] = bind[b] for all b the surface comes back to rounding.
 void deform(const Skin& skin, const std::vector<Eigen::Isometry3d>& pose, Eigen::MatrixX3f& V, Eigen::MatrixX3f& N,
             Blend blend = Blend::dual_quaternion);
+
+/// As above for a skin whose vertices are at `rest` (#V by 3, bind pose) instead of at skin.surface.V: a face that has
+/// an expression.
+void deform(const Skin& skin, const Eigen::MatrixX3f& rest, const std::vector<Eigen::Isometry3d>& pose,
+            Eigen::MatrixX3f& V, Eigen::MatrixX3f& N, Blend blend = Blend::dual_quaternion);
+
+/// Brings V and N, made by deform() in the same pose, up to date after `rest` has changed at the vertices of `patch`
+/// (patch_around(), normals.h). The same bits as deform(), at the cost of the patch alone.
+void deform_patch(const Skin& skin, const Eigen::MatrixX3f& rest, const std::vector<Eigen::Isometry3d>& pose,
+                  const Patch& patch, Eigen::MatrixX3f& V, Eigen::MatrixX3f& N, Blend blend = Blend::dual_quaternion);
 
 }  // namespace mesh

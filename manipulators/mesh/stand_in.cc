@@ -178,6 +178,8 @@ Skin stand_in(const std::vector<Bone>& bones) {
     skin.weight(v, 0) = 1;
   }
   skin.weld = welded(skin.surface.V);
+  // made of no file's vertices
+  skin.origin.first.assign(static_cast<std::size_t>(skin.surface.V.rows()) + 1, 0);
   skin.surface.N = vertex_normals(skin.surface.V, skin.surface.F);
   return skin;
 }

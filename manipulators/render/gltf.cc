@@ -65,10 +65,10 @@ class Gltf::Builder {
           const objdb::Object* one = world.object(bone);
           if (one) now[one->path] = pose_of(Eigen::Affine3f(frame_of(world, *one).cast<float>()));
         }
-        if (times_.empty()) add_skin(world, name, drawable, *skin, bones);
+        if (times_.empty()) add_skin(world, name, drawable, *skin, skins.rest(object->id), bones);
       } else {
         now[name] = pose_of(drawable.X_WG);
-        if (times_.empty()) add_node(name, add_mesh(drawable, nullptr));
+        if (times_.empty()) add_node(name, add_mesh(drawable, nullptr, nullptr));
       }
     }
     for (const objdb::Object* camera : all_of(world, "camera")) {
@@ -164,18 +164,19 @@ class Gltf::Builder {
     return static_cast<int>(materials_.size()) - 1;
   }
 
-  // a skin's mesh is in its bind pose, with joints and weights
-  int add_mesh(const Drawable& drawable, const mesh::Skin* skin) {
+  // a skin's mesh is at `rest`, in its bind pose, with joints and weights
+  int add_mesh(const Drawable& drawable, const mesh::Skin* skin, const Eigen::MatrixX3f* rest) {
     const Geometry& geometry = *drawable.geometry;
     const std::size_t count = geometry.vertices.size();
+    Eigen::MatrixX3f N;
+    if (skin) mesh::vertex_normals(*rest, skin->surface.F, skin->weld, N);
     std::vector<float> positions, normals;
     positions.reserve(3 * count);
     normals.reserve(3 * count);
     for (std::size_t v = 0; v < count; ++v) {
       const auto row = static_cast<Eigen::Index>(v);
-      const Eigen::Vector3f p = skin ? Eigen::Vector3f(skin->surface.V.row(row)) : geometry.vertices[v].position;
-      const bool has_normal = skin && skin->surface.N.rows() == skin->surface.V.rows();
-      Eigen::Vector3f n = has_normal ? Eigen::Vector3f(skin->surface.N.row(row)) : geometry.vertices[v].normal;
+      const Eigen::Vector3f p = skin ? Eigen::Vector3f(rest->row(row)) : geometry.vertices[v].position;
+      Eigen::Vector3f n = skin ? Eigen::Vector3f(N.row(row)) : geometry.vertices[v].normal;
       n = n.norm() > 1e-6f ? n.normalized() : Eigen::Vector3f::UnitY();
       positions.insert(positions.end(), {p.x(), p.y(), p.z()});
       normals.insert(normals.end(), {n.x(), n.y(), n.z()});
@@ -233,7 +234,7 @@ class Gltf::Builder {
   }
 
   void add_skin(const objdb::Database& world, const std::string& name, const Drawable& drawable, const mesh::Skin& skin,
-                const std::vector<objdb::ObjectId>& bones) {
+                const Eigen::MatrixX3f& rest, const std::vector<objdb::ObjectId>& bones) {
     tinygltf::Skin out;
     out.name = name;
     std::vector<float> inverses;
@@ -249,7 +250,7 @@ class Gltf::Builder {
     // a skinned mesh is placed by its bones alone
     tinygltf::Node node;
     node.name = name;
-    node.mesh = add_mesh(drawable, &skin);
+    node.mesh = add_mesh(drawable, &skin, &rest);
     node.skin = static_cast<int>(model_.skins.size()) - 1;
     model_.nodes.push_back(node);
     model_.scenes[0].nodes.push_back(static_cast<int>(model_.nodes.size()) - 1);

@@ -27,6 +27,12 @@ void copy_vertices(const Eigen::MatrixX3f& V, const Eigen::MatrixX3f& N, Geometr
   geometry.touch();
 }
 
+bool has_face(const objdb::Database& world, const Object& surface) {
+  const std::vector<const Object*> faces = all_of(world, "face");
+  return std::any_of(faces.begin(), faces.end(),
+                     [&](const Object* face) { return object_of(world, *face, "skin") == &surface; });
+}
+
 mesh::Bone bone_from(const objdb::Database& world, const Object& object, const std::vector<ObjectId>& order) {
   mesh::Bone bone;
   bone.name = std::string(object.name());
@@ -141,7 +147,8 @@ Material usual_look(const std::string& part, const Material& otherwise) {
   return otherwise;
 }
 
-std::shared_ptr<const Geometry> Skins::mesh(const Object& object, Report& report, std::vector<std::string>& parts) {
+std::shared_ptr<const Geometry> Skins::mesh(const objdb::Database& world, const Object& object, Report& report,
+                                            std::vector<std::string>& parts) {
   const std::string name = text_of(object, "file");
   report.object = object.id;
   if (name.empty()) {
@@ -157,6 +164,9 @@ std::shared_ptr<const Geometry> Skins::mesh(const Object& object, Report& report
     if (surface) {
       file.geometry = geometry_of(*surface);
       file.parts = surface->part_names;
+      file.origin = mesh::own_origin(surface->V.rows());
+      file.V = std::move(surface->V);
+      file.F = std::move(surface->F);
     } else {
       file.report.status = "failed";
       file.report.reason = surface.error().sentence;
@@ -165,12 +175,36 @@ std::shared_ptr<const Geometry> Skins::mesh(const Object& object, Report& report
   report.status = file.report.status;
   report.reason = file.report.reason;
   parts = file.parts;
-  return file.geometry;
+  if (!file.geometry || !has_face(world, object)) {
+    moved_.erase(object.id);
+    return file.geometry;
+  }
+
+  Moved& moved = moved_[object.id];
+  if (moved.file != name) moved = {name, {}, nullptr};
+  const Faces::Change change = moved.faces.look(world, object, file.origin);
+  if (report.reason.empty()) report.reason = moved.faces.problem();
+  if (moved.geometry && change == Faces::Change::none) return moved.geometry;
+  Eigen::MatrixX3f V = file.V;
+  moved.faces.add(V);
+  if (!moved.geometry) {
+    // a geometry of its own, the file's may be shown elsewhere
+    moved.geometry = std::make_shared<Geometry>(*file.geometry);
+    moved.geometry->id = Geometry().id;
+  } else if (moved.geometry.use_count() > 1) {
+    // a window may still be drawing the last shape: leave it that one
+    moved.geometry = std::make_shared<Geometry>(*moved.geometry);
+  }
+  copy_vertices(V, mesh::vertex_normals(V, file.F), *moved.geometry);
+  return moved.geometry;
 }
 
 void Skins::bind(const objdb::Database& world, const Object& object, Body& body) {
   body.geometry = nullptr;
   body.pose.clear();
+  body.faces = {};
+  body.patch = {};
+  body.rest.resize(0, 3);
   body.report.status = "ok";
   body.report.reason.clear();
   body.bones.clear();
@@ -269,22 +303,40 @@ std::shared_ptr<const Geometry> Skins::skin(const objdb::Database& world, const 
     materials.back().opacity = has_eyes && part.find("eyes") != std::string::npos ? 0 : bare.opacity;
   }
 
+  pose(world, object, body);
+  if (report.reason.empty()) report.reason = body.faces.problem();
+  return body.geometry;
+}
+
+void Skins::pose(const objdb::Database& world, const Object& object, Body& body) {
+  // a stand-in has none of the file's vertices for a face to move
+  Faces::Change change = Faces::Change::none;
+  if (body.skin.origin.older > 0) change = body.faces.look(world, object, body.skin.origin);
+  if (change == Faces::Change::others) {
+    body.patch = mesh::patch_around(body.skin.surface.F, body.skin.weld, body.faces.vertices());
+  }
+  if (change != Faces::Change::none || body.rest.rows() != body.skin.surface.V.rows()) {
+    body.rest = body.skin.surface.V;
+    body.faces.add(body.rest);
+  }
+
   std::vector<Eigen::Isometry3d> pose;
   for (ObjectId id : body.bones) pose.push_back(frame_of(world, *world.object(id)));
   const auto blend = word_of(object, "blend") == "linear" ? mesh::Blend::linear : mesh::Blend::dual_quaternion;
-  const bool moved = pose.size() != body.pose.size() || blend != body.blend ||
+  const bool moved = change == Faces::Change::others || pose.size() != body.pose.size() || blend != body.blend ||
                      !std::equal(pose.begin(), pose.end(), body.pose.begin(),
                                  [](const auto& a, const auto& b) { return a.matrix() == b.matrix(); });
+  if (!moved && change == Faces::Change::none) return;
   if (moved) {
-    Eigen::MatrixX3f V, N;
-    mesh::deform(body.skin, pose, V, N, blend);
-    // a window may still be drawing the last pose: leave it that one
-    if (body.geometry.use_count() > 1) body.geometry = std::make_shared<Geometry>(*body.geometry);
-    copy_vertices(V, N, *body.geometry);
-    body.pose = std::move(pose);
-    body.blend = blend;
+    mesh::deform(body.skin, body.rest, pose, body.V, body.N, blend);
+  } else {
+    mesh::deform_patch(body.skin, body.rest, pose, body.patch, body.V, body.N, blend);
   }
-  return body.geometry;
+  // a window may still be drawing the last pose: leave it that one
+  if (body.geometry.use_count() > 1) body.geometry = std::make_shared<Geometry>(*body.geometry);
+  copy_vertices(body.V, body.N, *body.geometry);
+  body.pose = std::move(pose);
+  body.blend = blend;
 }
 
 std::shared_ptr<const Geometry> Skins::carried(const Object& object, Report& report) {
@@ -340,6 +392,8 @@ const mesh::Skin* Skins::bound(ObjectId skin) const {
   const auto found = bodies_.find(skin);
   return found == bodies_.end() || !found->second.geometry ? nullptr : &found->second.skin;
 }
+
+const Eigen::MatrixX3f& Skins::rest(ObjectId skin) const { return bodies_.at(skin).rest; }
 
 const std::vector<ObjectId>& Skins::bones(ObjectId skin) const {
   static const std::vector<ObjectId> none;

@@ -118,7 +118,7 @@ void Stage::add_shape(const Database& world, const Object& object, float skin_op
   if (is_a(world, object, "mesh")) {
     Report report;
     std::vector<std::string> parts;
-    drawable.geometry = skins_.mesh(object, report, parts);
+    drawable.geometry = skins_.mesh(world, object, report, parts);
     reports_.push_back(report);
     const Material own = drawable.materials[0];
     drawable.materials.clear();

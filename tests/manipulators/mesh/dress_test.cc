@@ -77,6 +77,102 @@ TEST(Dress, WeightsOfNewVerticesAreMixed) {
   }
 }
 
+// two stripes, one of cloth, and a line of paint: edges are cut, halved and cut again
+mesh::Skin cut_and_lifted() {
+  mesh::Garment cloth = slab("cloth", 0.6, 0.823);
+  cloth.thickness = 0.01;
+  mesh::Garment line;
+  line.name = "line";
+  line.lines.resize(2, 4);
+  line.lines << 0, 0.1, 0.1, 0.008, 0.06, 0.52, 0.08, 0.008;
+  return *mesh::dress(skin(), {slab("stripe", 0.311, 0.4777), cloth, line});
+}
+
+TEST(Dress, TellsOfWhichVerticesEachIsMade) {
+  const mesh::Skin bare = skin();
+  const mesh::Skin dressed = cut_and_lifted();
+  const mesh::Origin& origin = dressed.origin;
+  ASSERT_EQ(origin.size(), static_cast<std::size_t>(dressed.surface.V.rows()));
+  EXPECT_EQ(origin.older, bare.surface.V.rows());
+  EXPECT_GT(origin.size(), static_cast<std::size_t>(origin.older));
+  for (std::size_t v = 0; v < origin.size(); ++v) {
+    float sum = 0, height = 0;
+    for (int i = origin.first[v]; i < origin.first[v + 1]; ++i) {
+      EXPECT_GT(origin.share[i], 0);
+      sum += origin.share[i];
+      height += origin.share[i] * bare.surface.V(origin.vertex[i], 1);
+    }
+    EXPECT_NEAR(sum, 1, 1e-6);
+    // roundness and cloth go outward, along the tube's level normals (its flat ends aside): the height is that of the
+    // mix
+    if (height > 0.04 && height < 0.96) {
+      EXPECT_NEAR(height, dressed.surface.V(static_cast<Eigen::Index>(v), 1), 1e-4);
+    }
+  }
+}
+
+TEST(Dress, WhatIsCutGoesAlongWithWhatIsMoved) {
+  const mesh::Skin bare = skin();
+  const mesh::Skin dressed = cut_and_lifted();
+  // every vertex goes sideways by its height, so each new one must too; a follower of some moves no other
+  std::vector<std::int64_t> moved;
+  std::vector<double> by;
+  for (Eigen::Index v = 0; v < bare.surface.V.rows(); ++v) {
+    if (bare.surface.V(v, 1) < 0.05 || bare.surface.V(v, 1) > 0.95) continue;
+    moved.push_back(v);
+    by.insert(by.end(), {0.5 * bare.surface.V(v, 1), 0, 0});
+  }
+  const auto follower = mesh::Follower::of(dressed.origin, moved);
+  ASSERT_TRUE(follower) << follower.error().sentence;
+  EXPECT_EQ(follower->moved(), moved.size());
+  Eigen::MatrixX3f V = dressed.surface.V;
+  follower->add(by.data(), V);
+  for (Eigen::Index v = 0; v < V.rows(); ++v) {
+    const double y = dressed.surface.V(v, 1);
+    const bool moves =
+        std::binary_search(follower->vertices().begin(), follower->vertices().end(), static_cast<int>(v));
+    const Eigen::RowVector3f by_v = V.row(v) - dressed.surface.V.row(v);
+    if (!moves) {
+      EXPECT_EQ(by_v.norm(), 0);
+    } else if (y > 0.1 && y < 0.9) {
+      EXPECT_NEAR(by_v.x(), 0.5 * y, 1e-4);
+      EXPECT_EQ(by_v.y(), 0);
+    }
+  }
+}
+
+TEST(Dress, AFollowerOfNoVertexOrOfOneTwiceIsRefused) {
+  const mesh::Origin origin = mesh::own_origin(5);
+  for (const std::vector<std::int64_t>& moved : {std::vector<std::int64_t>{0, 5}, {-1}, {3, 1, 3}}) {
+    const auto follower = mesh::Follower::of(origin, moved);
+    ASSERT_FALSE(follower);
+    EXPECT_EQ(follower.error().kind, "range");
+  }
+  EXPECT_TRUE(mesh::Follower::of(origin, {})->vertices().empty());
+  EXPECT_EQ(mesh::Follower::of(origin, {4, 0})->vertices(), (std::vector<int>{0, 4}));
+}
+
+TEST(Dress, APatchMadeAnewHasTheBitsOfTheWhole) {
+  const mesh::Skin dressed = cut_and_lifted();
+  const Eigen::Isometry3d X = Eigen::Translation3d(0.1, 0, 0) * Eigen::AngleAxisd(1, Vector3d::UnitZ());
+  const std::vector<Eigen::Isometry3d> pose = {Eigen::Isometry3d::Identity(), X};
+  const auto follower = mesh::Follower::of(dressed.origin, {400, 401, 402, 433, 434, 640});
+  const mesh::Patch patch = mesh::patch_around(dressed.surface.F, dressed.weld, follower->vertices());
+  EXPECT_LT(patch.faces.size(), static_cast<std::size_t>(dressed.surface.F.rows()) / 4);
+  const std::vector<double> by = {0.01, 0, 0, 0, 0.02, 0, 0, 0, 0.01, 0.01, 0.01, 0, 0, 0, 0.03, 0.02, 0, 0};
+  Eigen::MatrixX3f rest = dressed.surface.V;
+  follower->add(by.data(), rest);
+  for (mesh::Blend blend : {mesh::Blend::dual_quaternion, mesh::Blend::linear}) {
+    Eigen::MatrixX3f V, N, V_whole, N_whole;
+    mesh::deform(dressed, pose, V, N, blend);
+    mesh::deform(dressed, rest, pose, V_whole, N_whole, blend);
+    EXPECT_NE(V, V_whole);
+    mesh::deform_patch(dressed, rest, pose, patch, V, N, blend);
+    EXPECT_EQ(V, V_whole);
+    EXPECT_EQ(N, N_whole);
+  }
+}
+
 TEST(Dress, ClothLiesAboveTheSkinAndIsClosed) {
   mesh::Garment sleeve = slab("sleeve", 0.3, 0.7);
   sleeve.thickness = 0.02;

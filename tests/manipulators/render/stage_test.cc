@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <fstream>
 
@@ -130,6 +131,136 @@ create sheet empty
   ASSERT_TRUE(world.set(sheet, sheet.type->find("vertices"), std::vector<double>{0, 0, 0, 0, 1, 0, 0, 0, 1}).ok());
   const Scene after = stage.compose(world, nullptr, 0);
   EXPECT_TRUE(after.drawables[0].geometry->vertices[0].normal.isApprox(Eigen::Vector3f::UnitX()));
+}
+
+// a square of 9 x 9 vertices in the plane z = 0, side 0.8, vertex 9 r + c at (0.1 c, 0.1 r)
+std::string sheet_file() {
+  const std::string file = testing::TempDir() + "sailor_stage_sheet.obj";
+  std::ofstream out(file);
+  for (int r = 0; r < 9; ++r) {
+    for (int c = 0; c < 9; ++c) out << "v " << 0.1 * c << " " << 0.1 * r << " 0\n";
+  }
+  for (int r = 1; r < 9; ++r) {
+    for (int c = 1; c < 9; ++c) {
+      const int d = 9 * r + c + 1;
+      out << "f " << d - 10 << " " << d - 9 << " " << d << " " << d - 1 << "\n";
+    }
+  }
+  return file;
+}
+
+// the type as a program that computes faces declares it
+const std::string face_type = R"(type face extends node
+field face.skin ref:node
+field face.vertices int[]
+field face.displacement vec3[] m
+)";
+
+// the vertex of the geometry nearest to a point
+const Vertex& nearest(const Geometry& geometry, const Eigen::Vector3f& p) {
+  return *std::min_element(geometry.vertices.begin(), geometry.vertices.end(), [&](const Vertex& a, const Vertex& b) {
+    return (a.position - p).norm() < (b.position - p).norm();
+  });
+}
+
+void displace(World& world, const std::string& face, const std::vector<double>& by) {
+  const objdb::Object& object = *world.find(face);
+  ASSERT_TRUE(world.set(object, object.type->find("displacement"), by).ok());
+}
+
+TEST(Stage, AFaceMovesTheSkinBeforeItsBonesDo) {
+  World world(face_type + R"(create node figure
+create node figure/bones
+create joint figure/neck dh 0 0 0 0 lower -3 upper 3
+create bone figure/bones/head parent figure/neck from 0 0 0 to 0.8 0.8 0 radius 0.3
+create skin figure/body skeleton figure/bones file )" +
+              sheet_file() + R"(
+create garment figure/lips skin figure/body lines 0.2 0.4 0 0.03 0.6 0.4 0 0.03
+create face figure/face skin figure/body vertices 40
+)");
+  ASSERT_EQ(world.problem, "");
+  Stage stage;
+  const Scene rest = stage.compose(world, nullptr, 0);
+  ASSERT_EQ(rest.drawables.size(), 1u);
+  EXPECT_EQ(stage.reports()[0].reason, "");
+  EXPECT_NEAR(nearest(*rest.drawables[0].geometry, {0.4f, 0.4f, 0}).position.z(), 0, 1e-6);
+
+  // the middle vertex comes forward by 5 cm; what was cut out of its faces comes along by its share
+  displace(world, "figure/face", {0, 0, 0.05});
+  const Scene smile = stage.compose(world, nullptr, 0);
+  const Geometry& geometry = *smile.drawables[0].geometry;
+  EXPECT_NEAR(nearest(geometry, {0.4f, 0.4f, 0.05f}).position.z(), 0.05, 1e-6);
+  int between = 0;
+  for (const Vertex& vertex : geometry.vertices) {
+    const float away = (vertex.position.head<2>() - Eigen::Vector2f(0.4f, 0.4f)).cwiseAbs().maxCoeff();
+    if (away >= 0.1f - 1e-4f) {
+      EXPECT_NEAR(vertex.position.z(), 0, 1e-6);
+    }
+    between += vertex.position.z() > 0.005f && vertex.position.z() < 0.045f;
+    EXPECT_NEAR(vertex.normal.norm(), 1, 1e-5);
+  }
+  EXPECT_GT(between, 4);
+  EXPECT_LT(nearest(geometry, {0.3f, 0.4f, 0}).normal.x(), -0.05f);
+  // somebody still shows the face at rest, so that one was left alone
+  EXPECT_NEAR(nearest(*rest.drawables[0].geometry, {0.4f, 0.4f, 0}).position.z(), 0, 1e-6);
+
+  // the head turns a quarter about z and takes the expression with it
+  const objdb::Object* neck = world.find("figure/neck");
+  ASSERT_TRUE(world.set(*neck, neck->type->find("angle"), 1.5707963267948966).ok());
+  const Scene turned = stage.compose(world, nullptr, 0);
+  EXPECT_NEAR(nearest(*turned.drawables[0].geometry, {-0.4f, 0.4f, 0.05f}).position.z(), 0.05, 1e-6);
+
+  // at rest again it is the surface it was, whichever way it came there
+  displace(world, "figure/face", {0, 0, 0});
+  ASSERT_TRUE(world.set(*neck, neck->type->find("angle"), 0.0).ok());
+  const Scene again = stage.compose(world, nullptr, 0);
+  for (std::size_t v = 0; v < rest.drawables[0].geometry->vertices.size(); ++v) {
+    ASSERT_EQ(again.drawables[0].geometry->vertices[v].position, rest.drawables[0].geometry->vertices[v].position);
+    ASSERT_EQ(again.drawables[0].geometry->vertices[v].normal, rest.drawables[0].geometry->vertices[v].normal);
+  }
+}
+
+TEST(Stage, AFaceMovesItsOwnMeshAndNoOtherOfTheSameFile) {
+  const std::string file = sheet_file();
+  World world(face_type + "create mesh a file " + file + "\ncreate mesh b file " + file +
+              "\ncreate face f skin a vertices 40 41 displacement 0 0 0.05 0 0 0.01\n");
+  ASSERT_EQ(world.problem, "");
+  Stage stage;
+  const Scene scene = stage.compose(world, nullptr, 0);
+  EXPECT_NEAR(world_bounds(*drawable(scene, "a")).max().z(), 0.05, 1e-6);
+  EXPECT_EQ(world_bounds(*drawable(scene, "b")).max().z(), 0);
+  EXPECT_NE(drawable(scene, "a")->geometry->id, drawable(scene, "b")->geometry->id);
+  displace(world, "f", {0, 0, -0.02, 0, 0, 0});
+  const Scene after = stage.compose(world, nullptr, 0);
+  EXPECT_NEAR(world_bounds(*drawable(after, "a")).min().z(), -0.02, 1e-6);
+  EXPECT_GT(drawable(after, "a")->geometry->generation, drawable(scene, "a")->geometry->generation);
+}
+
+TEST(Stage, AFaceThatDoesNotFitMovesNothingAndIsTold) {
+  const std::string file = sheet_file();
+  World world(face_type + "create mesh a file " + file + "\ncreate face f skin a vertices 40 81\n");
+  ASSERT_EQ(world.problem, "");
+  Stage stage;
+  auto reason = [&] {
+    stage.compose(world, nullptr, 0);
+    return stage.reports()[0].reason;
+  };
+  EXPECT_EQ(reason(), "f: vertex 81 is none of the surface's 81, 0 to 80");
+  const objdb::Object& face = *world.find("f");
+  auto take = [&](std::vector<std::int64_t> vertices) {
+    ASSERT_TRUE(world.set(face, face.type->find("vertices"), std::move(vertices)).ok());
+  };
+  take({40, 40});
+  EXPECT_EQ(reason(), "f: vertex 40 is named twice");
+  take({40, 41});
+  EXPECT_EQ(reason(), "");
+  displace(world, "f", {0, 0, 0.1});
+  EXPECT_EQ(reason(), "f: displacement has 1 vectors for 2 vertices");
+  EXPECT_EQ(world_bounds(stage.compose(world, nullptr, 0).drawables[0]).max().z(), 0);
+  displace(world, "f", {0, 0, 0.1, 0, 0, 0});
+  EXPECT_EQ(reason(), "");
+  EXPECT_NEAR(world_bounds(stage.compose(world, nullptr, 0).drawables[0]).max().z(), 0.1, 1e-6);
+  EXPECT_EQ(stage.reports()[0].status, "ok");
 }
 
 TEST(Stage, CamerasLookAtTheirTargets) {

@@ -85,9 +85,11 @@ Session::Got Session::next_line(Manager& manager, Line& line) {
     const Got got = input.live ? next_live(manager, input, text) : next_of_script(manager, input, text);
     if (got == Got::none) return got;
     if (got == Got::end) {
+      // an error has dropped the input
+      if (stack_.empty()) return got;
       if (!joining_) {
         close_input(manager);
-        return Got::end;
+        return got;
       }
       joining_ = false;
       line.text = joined_;
@@ -138,6 +140,7 @@ Session::Got Session::next_live(Manager& manager, Input& input, std::string_view
         where_ = input.name + ":" + std::to_string(input.line);
         line_.joints.clear();
         tag_ = tag_of(text);
+        joining_ = false;
         finish_reply(manager,
                      Error{ErrorKind::limit,
                            "the line is longer than " + std::to_string(longest_line_) + " bytes and was skipped", 1});
@@ -148,6 +151,7 @@ Session::Got Session::next_live(Manager& manager, Input& input, std::string_view
         where_ = input.name + ":" + std::to_string(input.line);
         line_.joints.clear();
         tag_.clear();
+        joining_ = false;
         finish_reply(manager, Error{ErrorKind::syntax, "the stream ended within a line, which was not run", 1});
         if (stack_.empty()) return Got::end;
         break;

@@ -152,6 +152,14 @@ class Lines(Case):
             self.assertEqual("create node a" in kept, length >= 14, f"cut at {length}")
             self.assertEqual("set a.position" in kept, length >= 35, f"cut at {length}")
 
+    def test_a_half_line_ends_a_pipe_that_stops_at_errors(self):
+        for stream in (b"get a", b"create node a\nget a", b"create node a\nset a.visible \\\nfalse", b"echo \\\n"):
+            for option in ((), ("--keep-going",)):
+                done = self.run_manager(*option, stdin=stream)
+                self.assertEqual(done.returncode, 1 if not stream.endswith(b"\n") else 0, (stream, done.stderr))
+                errors = [line for line in done.stderr.splitlines() if "error" in line]
+                self.assertEqual(len(errors), 0 if stream.endswith(b"\n") else 1, (stream, done.stderr))
+
     def test_tags_come_back_as_they_were(self):
         manager = self.world()
         for tag in ("1", "a", "x" * 60, "a-b.c:d/e", "0"):

@@ -7,14 +7,36 @@ namespace {
 
 using namespace objdb;
 
+// not yet; or never, when nobody else is there to say resume
+std::optional<Status> not_yet(const Manager& manager, std::uint16_t source) {
+  if (!manager.paused_for_good(source)) return std::nullopt;
+  return Status(
+      Error{ErrorKind::busy, "time is paused at " + number(manager.clock.time()) + " s; expected resume, or step", 0});
+}
+
 class AdvanceTo : public Operation {
  public:
-  explicit AdvanceTo(std::uint64_t tick) : tick_(tick) {}
+  AdvanceTo(std::uint16_t source, std::uint64_t tick) : source_(source), tick_(tick) {}
+  std::optional<Status> poll(Manager& manager, std::string&) override {
+    if (manager.clock.tick() < tick_) return not_yet(manager, source_);
+    return Status();
+  }
+  bool wants_tick(const Manager& manager) const override { return manager.clock.tick() < tick_; }
+
+ private:
+  std::uint16_t source_;
+  std::uint64_t tick_;
+};
+
+class StepTo : public Operation {
+ public:
+  explicit StepTo(std::uint64_t tick) : tick_(tick) {}
   std::optional<Status> poll(Manager& manager, std::string&) override {
     if (manager.clock.tick() < tick_) return std::nullopt;
     return Status();
   }
   bool wants_tick(const Manager& manager) const override { return manager.clock.tick() < tick_; }
+  bool steps() const override { return true; }
 
  private:
   std::uint64_t tick_;
@@ -22,29 +44,34 @@ class AdvanceTo : public Operation {
 
 class AdvanceUntil : public Operation {
  public:
-  AdvanceUntil(Condition condition, std::uint64_t last_tick)
-      : condition_(std::move(condition)), last_tick_(last_tick) {}
+  AdvanceUntil(std::uint16_t source, Condition condition, std::uint64_t last_tick)
+      : source_(source), condition_(std::move(condition)), last_tick_(last_tick) {}
   std::optional<Status> poll(Manager& manager, std::string&) override {
     const Result<bool> holds = condition_.holds(manager.world);
     if (!holds) return Status(holds.error());
     if (*holds) return Status();
-    if (manager.clock.tick() < last_tick_) return std::nullopt;
+    if (manager.clock.tick() < last_tick_) return not_yet(manager, source_);
     return Status(
         Error{ErrorKind::timeout, condition_.failure(manager.world) + " by " + number(manager.clock.time()) + " s", 0});
   }
   bool wants_tick(const Manager& manager) const override { return manager.clock.tick() < last_tick_; }
 
  private:
+  std::uint16_t source_;
   Condition condition_;
   std::uint64_t last_tick_;
 };
 
 }  // namespace
 
-std::unique_ptr<Operation> advance_to(std::uint64_t tick) { return std::make_unique<AdvanceTo>(tick); }
+std::unique_ptr<Operation> advance_to(std::uint16_t source, std::uint64_t tick) {
+  return std::make_unique<AdvanceTo>(source, tick);
+}
 
-std::unique_ptr<Operation> advance_until(Condition condition, std::uint64_t last_tick) {
-  return std::make_unique<AdvanceUntil>(std::move(condition), last_tick);
+std::unique_ptr<Operation> step_to(std::uint64_t tick) { return std::make_unique<StepTo>(tick); }
+
+std::unique_ptr<Operation> advance_until(std::uint16_t source, Condition condition, std::uint64_t last_tick) {
+  return std::make_unique<AdvanceUntil>(source, std::move(condition), last_tick);
 }
 
 }  // namespace manager

@@ -31,6 +31,8 @@ class Operation {
   virtual std::optional<objdb::Status> poll(Manager& manager, std::string& out) = 0;
   /// Does it need simulated time to go on?
   virtual bool wants_tick(const Manager&) const { return false; }
+  /// Does it go on though time is paused?
+  virtual bool steps() const { return false; }
   /// When poll() is to be asked at the latest, though nothing happened.
   virtual std::optional<std::chrono::steady_clock::time_point> deadline() const { return std::nullopt; }
 };

@@ -587,16 +587,23 @@ Status Manager::redo(std::size_t count) {
 
 // -- time
 
-void Manager::pause(bool pause) {
-  if (paused_ && !pause) clock.wake();
-  paused_ = pause;
+void Manager::pause(const Source& source) { paused_by_ = source.id; }
+
+void Manager::go_on() {
+  if (paused()) clock.wake();
+  paused_by_.reset();
+}
+
+bool Manager::paused_for_good(std::uint16_t source) const {
+  return paused_by_ == source || paused_by_ == scheduled_->id;
 }
 
 bool Manager::wants_tick() const {
-  if (paused_ || in_transaction() || scheduled_->operation() != nullptr) return false;
-  if (free_) return true;
+  if (in_transaction() || scheduled_->operation() != nullptr) return false;
+  if (free_ && !paused()) return true;
   const auto wants = [&](const Session& session) {
-    return session.operation() != nullptr && session.operation()->wants_tick(*this);
+    const Operation* operation = session.operation();
+    return operation != nullptr && operation->wants_tick(*this) && (!paused() || operation->steps());
   };
   return wants(*main_) ||
          std::any_of(speakers_.begin(), speakers_.end(), [&](const auto& each) { return wants(*each); });

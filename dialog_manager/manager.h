@@ -124,8 +124,12 @@ class Manager {
   bool tick_in_flight() const { return stage_ >= 0; }
   /// Time flows by itself, between run commands too.
   void run_free(bool free) { free_ = free; }
-  bool paused() const { return paused_; }
-  void pause(bool pause);
+  bool paused() const { return paused_by_.has_value(); }
+  /// Is time paused by this source, or by a command kept for later: by nobody who could let it go on while the
+  /// source waits?
+  bool paused_for_good(std::uint16_t source) const;
+  void pause(const Source& source);
+  void go_on();
   /// Makes everyone who waits for time fail with this.
   void break_tick(const objdb::Error& error);
 
@@ -208,7 +212,8 @@ class Manager {
 
   int stage_ = -1;
   int stages_ = 0;
-  bool free_ = false, paused_ = false;
+  bool free_ = false;
+  std::optional<std::uint16_t> paused_by_;  // id of the source
   Session* transaction_ = nullptr;
   std::uint64_t transaction_mark_ = 0;
   std::vector<std::uint64_t> undo_marks_;

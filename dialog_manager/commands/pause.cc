@@ -7,7 +7,7 @@ namespace {
 using namespace objdb;
 
 Outcome run(Call& call) {
-  call.manager.pause(true);
+  call.manager.pause(call.source);
   return {};
 }
 
@@ -15,6 +15,7 @@ Outcome run(Call& call) {
 
 extern const Command command_pause;
 const Command command_pause = {
-    "pause", "", "Stops time, also for a run that is under way, until resume.", Effect::control, 0, 0, run};
+    "pause", "", "Stops time, also for a run that is under way, until resume; step goes on.", Effect::control, 0,
+    0,       run};
 
 }  // namespace manager

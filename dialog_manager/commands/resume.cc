@@ -11,7 +11,7 @@ Outcome run(Call& call) {
     call.manager.clock.wake();
     call.manager.run_free(true);
   }
-  call.manager.pause(false);
+  call.manager.go_on();
   return {};
 }
 

@@ -15,7 +15,7 @@ Outcome run(Call& call) {
                       "the duration is " + std::string(call.words[0].text) + ", expected 0 to 1e9 s");
   Clock& clock = call.manager.clock;
   clock.wake();
-  return advance_to(clock.tick() + clock.ticks_until(clock.time() + *duration));
+  return advance_to(call.source.id, clock.tick() + clock.ticks_until(clock.time() + *duration));
 }
 
 }  // namespace

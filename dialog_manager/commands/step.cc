@@ -11,12 +11,13 @@ Outcome run(Call& call) {
   const Result<std::uint64_t> count = count_word(call, 0, 1);
   if (!count) return count.error();
   call.manager.clock.wake();
-  return advance_to(call.manager.clock.tick() + *count);
+  return step_to(call.manager.clock.tick() + *count);
 }
 
 }  // namespace
 
 extern const Command command_step;
-const Command command_step = {"step", "[N]", "Lets N ticks pass, 1 when not said.", Effect::time, 0, 1, run};
+const Command command_step = {
+    "step", "[N]", "Lets N ticks pass, 1 when not said; also while time is paused.", Effect::time, 0, 1, run};
 
 }  // namespace manager

@@ -25,7 +25,8 @@ Outcome run(Call& call) {
   }
   Clock& clock = call.manager.clock;
   clock.wake();
-  return advance_until(std::move(*condition), clock.tick() + clock.ticks_until(clock.time() + duration));
+  return advance_until(call.source.id, std::move(*condition),
+                       clock.tick() + clock.ticks_until(clock.time() + duration));
 }
 
 }  // namespace

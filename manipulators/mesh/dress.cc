@@ -204,43 +204,52 @@ void Cutter::cut_along(const Level& level_given, std::vector<bool>& candidate) {
   }
 }
 
-/// How far p lies inside the balls strung along `lines`; negative outside.
-double depth_in_lines(const Eigen::MatrixX4d& lines, const Vector3d& p) {
+/// How far a point lies inside balls strung along lines (negative outside), and how thick the string is there.
+struct Within {
   double depth = -std::numeric_limits<double>::infinity();
+  double radius = std::numeric_limits<double>::infinity();
+};
+
+Within within_lines(const Eigen::MatrixX4d& lines, const Vector3d& p) {
+  Within within;
+  const auto take = [&](double radius, double distance) {
+    if (radius - distance > within.depth) {
+      within = {radius - distance, radius};
+    }
+  };
   for (Eigen::Index i = 0; i < lines.rows(); ++i) {
     const double r = lines(i, 3);
     if (r <= 0) {
       continue;
     }
     const Vector3d a = lines.row(i).head<3>().transpose();
-    depth = std::max(depth, r - (p - a).norm());
+    take(r, (p - a).norm());
     if (i + 1 < lines.rows() && lines(i + 1, 3) > 0) {
       const Vector3d along = lines.row(i + 1).head<3>().transpose() - a;
       const double share = std::clamp((p - a).dot(along) / std::max(along.squaredNorm(), 1e-12), 0.0, 1.0);
-      depth = std::max(depth, r + share * (lines(i + 1, 3) - r) - (p - a - share * along).norm());
+      take(r + share * (lines(i + 1, 3) - r), (p - a - share * along).norm());
     }
   }
-  return depth;
+  return within;
 }
 
-/// Halves long edges near the lines until the surface is fine enough to show them.
+/// Halves long edges near the lines until the surface is fine enough to show them: finer where they are thin.
 void Cutter::refine(const Garment& garment, std::vector<bool>& candidate) {
-  double smallest = std::numeric_limits<double>::infinity();
-  for (Eigen::Index i = 0; i < garment.lines.rows(); ++i) {
-    if (garment.lines(i, 3) > 0) {
-      smallest = std::min(smallest, garment.lines(i, 3));
+  std::vector<Within> within;
+  const auto look = [&] {
+    for (std::size_t v = within.size(); v < points_.size(); ++v) {
+      within.push_back(within_lines(garment.lines, points_[v].p.transpose().cast<double>()));
     }
-  }
-  const double wanted = std::max(0.7 * smallest, 5e-4);
+  };
   for (int pass = 0; pass < 6; ++pass) {
-    const Level depth =
-        evaluate([&](const Point& point) { return depth_in_lines(garment.lines, point.p.transpose().cast<double>()); });
+    look();
     std::map<Edge, int> marked;
     for (std::size_t f = 0; f < faces_.size(); ++f) {
       for (int corner = 0; candidate[f] && corner < 3; ++corner) {
         const auto [a, b] = edge(faces_[f][corner], faces_[f][(corner + 1) % 3]);
         const double length = (points_[a].p - points_[b].p).norm();
-        const bool border_may_cross = std::min(std::abs(depth[a]), std::abs(depth[b])) < length;
+        const bool border_may_cross = std::min(std::abs(within[a].depth), std::abs(within[b].depth)) < length;
+        const double wanted = std::max(0.7 * std::min(within[a].radius, within[b].radius), 5e-4);
         if (length > wanted && border_may_cross && !marked.count({a, b})) {
           marked[{a, b}] = static_cast<int>(points_.size());
           points_.push_back(between(points_[a], points_[b], 0.5F));
@@ -285,9 +294,10 @@ void Cutter::cut(const Garment& garment, int part) {
   }
   if (garment.lines.rows() > 0) {
     refine(garment, candidate);
-    cut_along(
-        evaluate([&](const Point& point) { return depth_in_lines(garment.lines, point.p.transpose().cast<double>()); }),
-        candidate);
+    cut_along(evaluate([&](const Point& point) {
+                return within_lines(garment.lines, point.p.transpose().cast<double>()).depth;
+              }),
+              candidate);
   }
   for (std::size_t f = 0; f < faces_.size(); ++f) {
     if (candidate[f]) {

@@ -26,11 +26,21 @@ namespace {
 // mirrors the uniform block `Frame`
 struct FrameBlock {
   Eigen::Matrix4f clip_from_world;
-  Eigen::Matrix4f shadow_from_world = Eigen::Matrix4f::Identity();
+  Eigen::Matrix4f shadow_from_world = nowhere();
+  Eigen::Matrix4f near_from_world = nowhere();
   Eigen::Vector4f ray_centre, ray_right, ray_down;
-  Eigen::Vector4f eye, zenith, horizon, earth, picture, shadow, lights, lens;
+  Eigen::Vector4f eye, zenith, horizon, earth, picture, shadow;
+  Eigen::Vector4f near_shadow = Eigen::Vector4f::Zero();
+  Eigen::Vector4f lights, lens;
   Eigen::Vector4f light_toward[most_lights];
   Eigen::Vector4f light_color[most_lights];
+
+  // everything is outside the map
+  static Eigen::Matrix4f nowhere() {
+    Eigen::Matrix4f matrix = Eigen::Matrix4f::Zero();
+    matrix.col(3) << 2, 2, 2, 1;
+    return matrix;
+  }
 };
 static_assert(most_lights == 6);
 
@@ -60,24 +70,27 @@ struct ShadowView {
   float texel = 0;  // [m]
 };
 
-// an orthographic view along the key light over what is both seen and shadowed, and deep enough for every caster
-std::optional<ShadowView> shadow_view(const Scene& scene, const Camera& camera, float aspect,
-                                      const std::vector<Seen>& seen, int map_size) {
-  if (scene.lights.empty()) return {};
-  Eigen::AlignedBox3f casters;
-  for (const Drawable& drawable : scene.drawables) {
-    if (drawable.casts_shadow && !drawable.helper) casters.extend(world_bounds(drawable));
-  }
-  if (casters.isEmpty()) return {};
-
-  // the nearest thing worth a sharp shadow says how far sharp shadows must reach
+// how far from the camera the nearest thing is that is worth a sharp shadow
+float nearest_caster(const Scene& scene, const Camera& camera, const std::vector<Seen>& seen) {
   float nearest = camera.far;
   for (const Seen& one : seen) {
     const Drawable& drawable = scene.drawables[one.drawable];
     if (drawable.scenery || drawable.helper || !drawable.casts_shadow) continue;
     nearest = std::min(nearest, std::sqrt(world_bounds(drawable).squaredExteriorDistance(camera.X_WC.translation())));
   }
-  const float reach = std::clamp(nearest * 2.5f + 2.0f, 2.0f, 30.0f);
+  return nearest;
+}
+
+// an orthographic view along the key light over what is both seen, up to a distance of `reach`, and shadowed, and deep
+// enough for every caster
+std::optional<ShadowView> shadow_view(const Scene& scene, const Camera& camera, float aspect, float reach,
+                                      int map_size) {
+  if (scene.lights.empty()) return {};
+  Eigen::AlignedBox3f casters;
+  for (const Drawable& drawable : scene.drawables) {
+    if (drawable.casts_shadow && !drawable.helper) casters.extend(world_bounds(drawable));
+  }
+  if (casters.isEmpty()) return {};
 
   const Light& key = scene.lights[0];
   const Eigen::Vector3f toward =
@@ -146,7 +159,7 @@ GeometryPointer ground_disc() {
 // a grid over the picture from -1 to 1
 GeometryPointer screen_grid() {
   auto geometry = std::make_shared<Geometry>();
-  constexpr std::uint32_t columns = 32;
+  constexpr std::uint32_t columns = 64;
   constexpr std::uint32_t rows = 48;
   for (std::uint32_t r = 0; r <= rows; ++r) {
     for (std::uint32_t c = 0; c <= columns; ++c) {
@@ -329,7 +342,8 @@ class Canvas::State {
     }
   };
   struct ShadowMap {
-    explicit ShadowMap(int side) : depth(gl::Image::Kind::shadow, {side, side}) {}
+    // far on the left, near on the right
+    explicit ShadowMap(int side) : depth(gl::Image::Kind::shadow, {2 * side, side}) {}
     gl::Image depth;
     gl::Target target{&depth};
   };
@@ -349,7 +363,9 @@ class Canvas::State {
   Targets* targets_for(Size size);
   Items sorted_items(const Scene& scene, const std::vector<Seen>& seen) const;
   void upload(FrameBlock& frame, Size size);
-  void draw_shadow_map(const Scene& scene, const ShadowView& view);
+  void draw_shadows(const Scene& scene, const Camera& camera, float aspect, const std::vector<Seen>& seen, int side,
+                    FrameBlock& frame);
+  void draw_shadow_map(const Scene& scene, const ShadowView& view, int left, int side);
   void draw_items(const std::vector<Item>& items, bool lit_later, float line_scale);
   void draw_screen(gl::Program& program);
   void draw_ground(const Scene& scene, const FrameBlock& frame, Size size);
@@ -469,8 +485,39 @@ void Canvas::State::draw_ground(const Scene& scene, const FrameBlock& frame, Siz
   glDisable(GL_SCISSOR_TEST);
 }
 
-void Canvas::State::draw_shadow_map(const Scene& scene, const ShadowView& view) {
+void Canvas::State::draw_shadows(const Scene& scene, const Camera& camera, float aspect, const std::vector<Seen>& seen,
+                                 int side, FrameBlock& frame) {
+  // the nearest thing says how far sharp shadows must reach
+  const float nearest = nearest_caster(scene, camera, seen);
+  const auto far = shadow_view(scene, camera, aspect, std::clamp(nearest * 2.5f + 2.0f, 2.0f, 30.0f), side);
+  if (!far) return;
+  auto near = shadow_view(scene, camera, aspect, std::clamp(nearest * 1.3f + 0.3f, 0.5f, 30.0f), side);
+  // a second map must be worth its drawing
+  if (near && near->texel > 0.55f * far->texel) near.reset();
+
+  // polygon offset keeps a surface from shadowing itself
+  glEnable(GL_POLYGON_OFFSET_FILL);
+  glFrontFace(GL_CCW);
+  glPolygonOffset(1.5f, 2.0f);
+  draw_shadow_map(scene, *far, 0, side);
+  if (near) draw_shadow_map(scene, *near, side, side);
+  glDisable(GL_POLYGON_OFFSET_FILL);
+
+  Eigen::Matrix4f half = Eigen::Matrix4f::Identity();
+  half.diagonal() << 0.5f, 0.5f, 0.5f, 1;
+  half.col(3) << 0.5f, 0.5f, 0.5f, 1;
+  frame.shadow_from_world = half * far->clip_from_world;
+  frame.shadow.head<3>() << far->texel, 1 / static_cast<float>(side), 1;
+  if (!near) return;
+  frame.near_from_world = half * near->clip_from_world;
+  frame.near_shadow.x() = near->texel;
+}
+
+void Canvas::State::draw_shadow_map(const Scene& scene, const ShadowView& view, int left, int side) {
   shadow_map_->target.use();
+  glViewport(left, 0, side, side);
+  glEnable(GL_SCISSOR_TEST);
+  glScissor(left, 0, side, side);
   glClear(GL_DEPTH_BUFFER_BIT);
   depth_->use();
   const Frustum frustum(view.clip_from_world);
@@ -496,6 +543,7 @@ void Canvas::State::draw_shadow_map(const Scene& scene, const ShadowView& view) 
     ++cost_.calls;
   }
   glDisable(GL_CULL_FACE);
+  glDisable(GL_SCISSOR_TEST);
 }
 
 void Canvas::State::draw_items(const std::vector<Item>& items, bool lit_later, float line_scale) {
@@ -594,7 +642,7 @@ std::string Canvas::State::draw(const Scene& scene, const Camera& camera, Size s
   const float aspect = static_cast<float>(size.width) / static_cast<float>(size.height);
   Targets* targets = targets_for(drawn);
   const int map_side = quality == Quality::best ? 2048 : 1024;
-  if (!shadow_map_ || shadow_map_->depth.size().width != map_side) {
+  if (!shadow_map_ || shadow_map_->depth.size().height != map_side) {
     shadow_map_ = std::make_unique<ShadowMap>(map_side);
   }
   if (!targets || !shadow_map_->target.complete()) {
@@ -613,19 +661,7 @@ std::string Canvas::State::draw(const Scene& scene, const Camera& camera, Size s
   glDisable(GL_BLEND);
   glDisable(GL_CULL_FACE);
 
-  // what the key light sees; polygon offset keeps a surface from shadowing itself
-  if (auto view = shadow_view(scene, camera, aspect, seen, map_side)) {
-    glEnable(GL_POLYGON_OFFSET_FILL);
-    glFrontFace(GL_CCW);
-    glPolygonOffset(1.5f, 2.0f);
-    draw_shadow_map(scene, *view);
-    glDisable(GL_POLYGON_OFFSET_FILL);
-    Eigen::Matrix4f half = Eigen::Matrix4f::Identity();
-    half.diagonal() << 0.5f, 0.5f, 0.5f, 1;
-    half.col(3) << 0.5f, 0.5f, 0.5f, 1;
-    frame.shadow_from_world = half * view->clip_from_world;
-    frame.shadow.head<3>() << view->texel, 1 / static_cast<float>(map_side), 1;
-  }
+  draw_shadows(scene, camera, aspect, seen, map_side, frame);
 
   // surfaces without light; rows are stored top to bottom, so all is upside down and winds the other way round
   glFrontFace(GL_CW);

@@ -7,7 +7,8 @@ namespace {
 constexpr const char* header = R"(#version 330 core
 layout(std140) uniform Frame {
   mat4 clip_from_world;
-  mat4 shadow_from_world;
+  mat4 shadow_from_world;   // into the left half of the shadow map
+  mat4 near_from_world;     // into its right half, where shadows near the camera are finer
   vec4 ray_centre;          // view ray of unit depth through the middle of the picture
   vec4 ray_right;           // its change toward the right edge
   vec4 ray_down;            // its change toward the lower edge
@@ -17,6 +18,7 @@ layout(std140) uniform Frame {
   vec4 earth;               // w: ground height
   vec4 picture;             // width, height, 1/width, 1/height
   vec4 shadow;              // texel size in world, texel size in map, strength, kind of ground
+  vec4 near_shadow;         // texel size in world
   vec4 lights;              // count, -, -, occlusion strength
   vec4 lens;                // focal length in picture heights
   vec4 light_toward[6];     // w: 1 distant, 0 near
@@ -47,12 +49,18 @@ vec3 developed(vec3 x) {
 }
 
 float key_visibility(vec3 p, vec3 n, float slope) {
-  vec3 at = p + n * (shadow.x * (1.2 + 2.0 * slope));
-  vec3 s = (shadow_from_world * vec4(at, 1.0)).xyz;
-  if (s.x <= 0.0 || s.y <= 0.0 || s.x >= 1.0 || s.y >= 1.0 || s.z >= 1.0) return 1.0;
+  vec3 off = n * (1.2 + 2.0 * slope);
+  vec3 far = (shadow_from_world * vec4(p + off * shadow.x, 1.0)).xyz;
+  vec3 near = (near_from_world * vec4(p + off * near_shadow.x, 1.0)).xyz;
+  vec3 in_near = abs(near - 0.5), in_far = abs(far - 0.5);
+  bool is_near = max(max(in_near.x, in_near.y), in_near.z) < 0.495;
+  if (!is_near && max(max(in_far.x, in_far.y), in_far.z) > 0.499) return 1.0;
+  vec3 s = is_near ? near : far;
+  s.x = s.x * 0.5 + (is_near ? 0.5 : 0.0);
   float t = shadow.y * 0.9;
-  float sum = texture(shadow_map, s + vec3(t, 0.35 * t, 0.0)) + texture(shadow_map, s + vec3(-t, -0.35 * t, 0.0)) +
-              texture(shadow_map, s + vec3(-0.35 * t, t, 0.0)) + texture(shadow_map, s + vec3(0.35 * t, -t, 0.0));
+  float h = t * 0.5;
+  float sum = texture(shadow_map, s + vec3(h, 0.35 * t, 0.0)) + texture(shadow_map, s + vec3(-h, -0.35 * t, 0.0)) +
+              texture(shadow_map, s + vec3(-0.35 * h, t, 0.0)) + texture(shadow_map, s + vec3(0.35 * h, -t, 0.0));
   return mix(1.0, sum * 0.25, shadow.z);
 }
 
@@ -79,7 +87,7 @@ vec3 shaded(vec3 p, vec3 n, vec3 v, vec3 albedo, float roughness, float sheen, f
   float grazing = 1.0 - nv;
   float fresnel = grazing * grazing;
   fresnel *= fresnel;
-  vec3 wrap = skin * vec3(0.34, 0.13, 0.07);
+  vec3 wrap = skin * vec3(0.28, 0.11, 0.06);
   vec3 unwrap = 1.0 / (1.0 + wrap);
   vec3 diffuse = vec3(0.0);
   vec3 glossy = vec3(0.0);
@@ -179,7 +187,7 @@ void main() {
   float blur = fwidth(angle) * 0.6 + 0.004;
 
   // white of the eye, warmer and redder toward the corners
-  vec3 white = mix(vec3(0.94, 0.93, 0.92), vec3(0.86, 0.72, 0.68), smoothstep(0.75, 1.5, angle) * 0.8);
+  vec3 white = mix(vec3(0.80, 0.785, 0.77), vec3(0.74, 0.58, 0.54), smoothstep(0.6, 1.35, angle) * 0.85);
   // iris: radial fibres, a lighter ring round the pupil, a dark edge
   float r = angle / surface.x;
   float fibres = noise(around * 18.0 + 3.0) * 0.5 + noise(around * 41.0 + r * 3.0) * 0.3 + noise(around * 7.0) * 0.3;
@@ -190,7 +198,16 @@ void main() {
 
   // the cornea bulges: its normals spread faster than the eyeball's
   float bulge = 1.0 - smoothstep(surface.x * 0.8, surface.x * 1.25, angle);
-  vec3 n = normalize(normalize(n_W) + normal_from_geometry * vec3(d.xy, 0.0) * (0.45 * bulge));
+  vec3 ball = normalize(n_W);
+  vec3 n = normalize(ball + normal_from_geometry * vec3(d.xy, 0.0) * (0.45 * bulge));
+  // the upper lid shades the ball below it
+  color *= 1.0 - 0.6 * smoothstep(-0.12, 0.20, ball.y);
+  // the key light mirrored in the cornea, a little brighter than the lids would let it through: eyes live by it
+  vec3 v = normalize(eye.xyz - p_W);
+  vec3 to_light = light_toward[0].w > 0.5 ? light_toward[0].xyz : normalize(light_toward[0].xyz - p_W);
+  vec3 lamp = normalize(to_light + vec3(0.0, -0.25, 0.0) + v * 0.35);
+  float glint = dot(reflect(-v, n), lamp);
+  color = mix(color, vec3(1.0), smoothstep(0.962, 0.975, glint) * bulge);
   color_out = vec4(color, 24.0 / 255.0);
   geometry_out = vec4(n, 1.0 / gl_FragCoord.w);
 }
@@ -335,9 +352,26 @@ std::string sky_vertex() {
   return std::string(header) + light_functions + R"(
 layout(location = 0) in vec3 position;
 out vec3 shade;
+
+float hash(vec2 x) { return fract(sin(dot(x, vec2(127.1, 311.7))) * 43758.5453); }
+float noise(vec2 x) {
+  vec2 i = floor(x), f = x - i;
+  f = f * f * (3.0 - 2.0 * f);
+  return mix(mix(hash(i), hash(i + vec2(1.0, 0.0)), f.x), mix(hash(i + vec2(0.0, 1.0)), hash(i + 1.0), f.x), f.y);
+}
+
 void main() {
   // the sky changes so slowly that a grid over the picture says it all
-  shade = developed(sky_color(normalize(ray_at(position.xy))));
+  vec3 d = normalize(ray_at(position.xy));
+  vec3 sky = sky_color(d);
+  // thin clouds over the sea, on a plane far above; they drift
+  if (shadow.w > 2.5 && d.y > 0.0) {
+    vec2 at = d.xz / (d.y + 0.12) * 1.3 + vec2(eye.w * 0.004, 3.7);
+    float cover = 0.55 * noise(at) + 0.28 * noise(at * 2.1 + 5.0) + 0.17 * noise(at * 4.3 + 9.0);
+    cover = smoothstep(0.42, 0.78, cover) * smoothstep(0.02, 0.22, d.y);
+    sky = mix(sky, horizon.rgb * 1.12 + light_color[0].rgb * 0.06, 0.75 * cover);
+  }
+  shade = developed(sky);
   gl_Position = vec4(position.xy, 1.0, 1.0);
 }
 )";

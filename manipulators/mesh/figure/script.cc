@@ -150,10 +150,12 @@ std::string body_script(const Skeleton& skeleton, const Landmarks& marks, const 
   text += "create mesh cap file cap.obj parent head color 0.96 0.96 0.94\n";
   text += "create mesh right_shoe file right_shoe.obj parent right_foot color 0.10 0.095 0.095\n";
   text += "create mesh left_shoe file left_shoe.obj parent left_foot color 0.10 0.095 0.095\n";
+  // the sphere through the eyeball's vertices is a little large for it because of the cornea, and would hide the edges
+  // of the lids, which lie 14.4 to 15.5 mm from its centre
+  const double radius = 0.962 * marks.eye_radius;
   for (const char* side : {"right", "left"}) {
-    text += std::string("create eyeball ") + side + "_eyeball parent " + side + "_eye_socket radius " +
-            number(marks.eye_radius) + " iris " + number(0.49 * marks.eye_radius) + " pupil " +
-            number(0.17 * marks.eye_radius) + "\n";
+    text += std::string("create eyeball ") + side + "_eyeball parent " + side + "_eye_socket radius " + number(radius) +
+            " iris " + number(0.47 * radius) + " pupil " + number(0.165 * radius) + "\n";
   }
   return text;
 }

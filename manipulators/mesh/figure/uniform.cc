@@ -23,6 +23,8 @@ const Vector3d blue(0.20, 0.32, 0.60);
 const Vector3d black(0.11, 0.11, 0.12);
 const Vector3d leather(0.10, 0.095, 0.095);
 const Vector3d hair(0.24, 0.18, 0.14);
+const Vector3d brow(0.30, 0.22, 0.17);
+const Vector3d lash(0.13, 0.09, 0.07);
 const Vector3d lip(0.72, 0.44, 0.41);
 
 /// Draws up garments in metres of a body as tall as `cut_for`, then scales them.
@@ -119,7 +121,7 @@ void face(Tailor& tailor) {
   const auto scalp = [&](const std::string& name) -> Clothing& {
     Clothing& piece = tailor.add(name, 1, hair, {"head", "jaw", "neck_c1_2", "neck_c2_3", "neck_c3_4"});
     slab(piece, Vector3d::UnitX(), -0.0722, 0.0722);
-    piece.thickness = 0.006;
+    piece.thickness = 0.0035;
     piece.smoothing = 8;
     piece.gloss = 0.25;
     return piece;
@@ -131,16 +133,33 @@ void face(Tailor& tailor) {
   slab(nape, Vector3d::UnitY(), 1.492, 1.562);
   inside(nape, {0, 0, -1, 0.014});
 
-  Clothing& brows = tailor.add("brows", 2, hair, {});
+  Clothing& brows = tailor.add("brows", 2, brow, {});
   for (bool mirror : {false, true}) {
     line(brows,
-         {{0.0115, 1.5660, 0.1425, 0.0030},
-          {0.0220, 1.5710, 0.1420, 0.0036},
-          {0.0340, 1.5735, 0.1380, 0.0030},
-          {0.0445, 1.5705, 0.1310, 0.0012}},
+         {{0.0125, 1.5685, 0.1428, 0.0022},
+          {0.0180, 1.5705, 0.1425, 0.0027},
+          {0.0260, 1.5728, 0.1412, 0.0025},
+          {0.0340, 1.5738, 0.1380, 0.0020},
+          {0.0400, 1.5725, 0.1345, 0.0014},
+          {0.0455, 1.5695, 0.1300, 0.0010}},
          mirror);
   }
   brows.thickness = 0.0006;
+
+  // along the edge of the upper lid
+  Clothing& lashes = tailor.add("lashes", 2, lash, {});
+  for (bool mirror : {false, true}) {
+    line(lashes,
+         {{0.0223, 1.5547, 0.1316, 0.0007},
+          {0.0256, 1.5560, 0.1323, 0.0009},
+          {0.0293, 1.5566, 0.1325, 0.0010},
+          {0.0330, 1.5567, 0.1317, 0.0010},
+          {0.0360, 1.5560, 0.1307, 0.0010},
+          {0.0382, 1.5552, 0.1289, 0.0010},
+          {0.0405, 1.5539, 0.1268, 0.0009},
+          {0.0420, 1.5531, 0.1252, 0.0006}},
+         mirror);
+  }
 
   Clothing& lips = tailor.add("lips", 2, lip, {});
   for (bool mirror : {false, true}) {

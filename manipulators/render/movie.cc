@@ -35,7 +35,8 @@ std::vector<std::string> encoder_command(const std::string& path, Size size, dou
     words.insert(words.end(), {"-c:v", "libx264", "-preset", "veryfast", "-crf", "18", "-pix_fmt", "yuv420p",
                                "-movflags", "+faststart"});
   }
-  words.insert(words.end(), {"-map_metadata", "-1", "-fflags", "+bitexact", "-flags:v", "+bitexact", path});
+  // file: so that no name is taken for an option or an address
+  words.insert(words.end(), {"-map_metadata", "-1", "-fflags", "+bitexact", "-flags:v", "+bitexact", "file:" + path});
   return words;
 }
 

@@ -53,7 +53,10 @@ std::string write_png(const Picture& picture, const std::string& path) {
   // a fast setting compresses nearly as well on rendered pictures and takes a third of the time
   image.flags = PNG_IMAGE_FLAG_FAST;
 
+  // what lies there is the rest of a picture that was cut off, or a trap: a link to something else of ours
   const std::string partial = path + ".part";
+  std::error_code none;
+  if (std::filesystem::is_symlink(partial, none)) std::filesystem::remove(partial, none);
   if (!png_image_write_to_file(&image, partial.c_str(), 0, picture.data(), 0, nullptr)) {
     std::string why = image.message;
     std::error_code ignored;

@@ -173,6 +173,11 @@ void Writer::send() {
       written_ += static_cast<std::size_t>(count);
     } else if (errno == EAGAIN) {
       waiting_ = true;
+      // a reader that is always behind never lets it run empty: what he has read goes all the same
+      if (written_ > pending()) {
+        buffer_.erase(0, written_);
+        written_ = 0;
+      }
       // an epoll instance never becomes writable: it becomes readable when what it watches is ready
       const auto readiness = impl_->kind == Descriptor::own ? Watched::wait_write : Watched::wait_read;
       impl_->watched.async_wait(readiness, [this, impl = std::weak_ptr(impl_)](const boost::system::error_code& error) {
@@ -186,6 +191,11 @@ void Writer::send() {
       failure_ = errno;
     }
   }
+  buffer_.clear();
+  written_ = 0;
+}
+
+void Writer::discard() {
   buffer_.clear();
   written_ = 0;
 }

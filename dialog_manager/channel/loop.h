@@ -80,6 +80,8 @@ class Writer {
   void flush();
   /// Waits until everything is written, at the longest `limit`. For the last words before an end.
   void drain(std::chrono::milliseconds limit);
+  /// Drops what waits.
+  void discard();
   /// Bytes that wait.
   std::size_t pending() const { return buffer_.size() - written_; }
   /// The reader is gone (EPIPE) or the descriptor failed; what is written from now on is dropped.

@@ -6,9 +6,11 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <charconv>
 #include <cstring>
+#include <filesystem>
 #include <fstream>
 #include <sstream>
 
@@ -36,6 +38,14 @@ Error io_error(const std::string& path, std::string_view what) {
   return {ErrorKind::io,
           "journal " + path + " " + std::string(what) + (errno == 0 ? "" : std::string(": ") + std::strerror(errno)),
           0};
+}
+
+// a journal is begun anew over an old one; any other file that has something in it is kept from a slip of the tongue
+bool may_begin(int file) {
+  std::array<char, 9 + heading.size()> start;
+  const ssize_t count = ::pread(file, start.data(), start.size(), 0);
+  return count == 0 ||
+         (count == static_cast<ssize_t>(start.size()) && std::string_view(start.data() + 9, heading.size()) == heading);
 }
 
 // "TICK SOURCE PREFIX LINE"
@@ -105,6 +115,9 @@ Result<std::unique_ptr<Journal>> Journal::open(const std::string& path, Sync syn
 Result<std::unique_ptr<Journal>> Journal::create(const std::string& path, Sync sync, const JournalStart& start) {
   Result<std::unique_ptr<Journal>> journal = open(path, sync, O_CREAT);
   if (!journal) return journal;
+  if (!may_begin((*journal)->file_))
+    return Error{ErrorKind::exists, "journal " + path + " is another file, expected a new one or a journal", 0};
+  if (::fchmod((*journal)->file_, 0600) != 0) return io_error(path, "cannot be kept from others");
   if (::ftruncate((*journal)->file_, 0) != 0) return io_error(path, "cannot be emptied");
   std::string first = std::string(heading) + " tick=" + std::to_string(start.tick) + " time=" + number(start.time) +
                       " rate=" + number(start.rate) + " seed=" + std::to_string(start.seed);
@@ -112,7 +125,7 @@ Result<std::unique_ptr<Journal>> Journal::create(const std::string& path, Sync s
   (*journal)->check_ = check_of(0, first);
   append_hex((*journal)->buffer_, (*journal)->check_);
   (*journal)->buffer_ += " " + first + "\n";
-  (*journal)->flush(true);
+  if (Status kept = (*journal)->flush(true); !kept) return kept.error();
   return journal;
 }
 
@@ -130,7 +143,7 @@ Result<std::unique_ptr<Journal>> Journal::resume(const std::string& path, Sync s
 
 Journal::~Journal() {
   if (file_ < 0) return;
-  flush(true);
+  (void)flush(true);
   // what was reserved and not used is given back
   if (reserved_ > size_ && ::ftruncate(file_, static_cast<off_t>(size_)) == 0) reserved_ = size_;
   ::close(file_);
@@ -149,6 +162,12 @@ Status Journal::reserve(std::size_t bytes) {
     errno = error;
   }
   return io_error(path_, "cannot grow");
+}
+
+Status Journal::reserve_tick() {
+  constexpr std::size_t closing_line = 4096;
+  tick_start_ = size_ + buffer_.size();
+  return reserve(2 * longest_tick_ + closing_line);
 }
 
 void Journal::add(std::uint64_t tick, std::string_view source, std::string_view prefix, std::string_view line) {
@@ -171,29 +190,44 @@ void Journal::add(std::uint64_t tick, std::string_view source, std::string_view 
   buffer_ += '\n';
 }
 
-void Journal::flush(bool tick_ended) {
+Status Journal::flush(bool tick_ended) {
+  if (tick_ended && tick_start_) {
+    longest_tick_ = std::max(longest_tick_, size_ + buffer_.size() - *tick_start_);
+    tick_start_.reset();
+  }
   std::string_view rest = buffer_;
-  while (!rest.empty()) {
+  while (!rest.empty() && kept_) {
     const ssize_t count = ::pwrite(file_, rest.data(), rest.size(), static_cast<off_t>(size_));
     if (count < 0 && errno == EINTR) continue;
-    // room was reserved before anything was accepted: this is a disk that breaks, and what was said is lost with it
-    if (count < 0) break;
+    // room was reserved before anything was accepted: this is a disk that breaks
+    if (count < 0) {
+      kept_ = io_error(path_, "cannot be written");
+      break;
+    }
     size_ += static_cast<std::size_t>(count);
     rest.remove_prefix(static_cast<std::size_t>(count));
     unsynced_ = true;
   }
   buffer_.erase(0, buffer_.size() - rest.size());
-  if (!unsynced_) return;
+  if (!unsynced_ || !kept_) return kept_;
   const auto now = std::chrono::steady_clock::now();
   const bool due = sync_ == Sync::always || (sync_ == Sync::tick && tick_ended) ||
                    (sync_ == Sync::everysec && now - synced_at_ > std::chrono::seconds(1));
-  if (!due) return;
-  ::fdatasync(file_);
+  if (!due) return kept_;
+  // after a failure the system may have dropped what it could not write: to ask again would be answered falsely
+  if (::fdatasync(file_) != 0) kept_ = io_error(path_, "cannot be written to its disk");
   synced_at_ = now;
   unsynced_ = false;
+  return kept_;
 }
 
 Result<JournalText> read_journal(const std::string& path) {
+  // a pipe or a device is no journal, and reading one may never end
+  std::error_code ignored;
+  if (std::filesystem::exists(path, ignored) && !std::filesystem::is_regular_file(path, ignored)) {
+    errno = 0;
+    return io_error(path, "is no regular file");
+  }
   std::ifstream file(path, std::ios::binary);
   std::stringstream content;
   content << file.rdbuf();

@@ -3,6 +3,7 @@
 #include <chrono>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -43,9 +44,12 @@ class Journal {
 
   /// Is there room on the disk for a line of this length? Error io when there is not: the line must not be accepted.
   objdb::Status reserve(std::size_t bytes);
+  /// The same for a whole tick, as long as twice the longest so far.
+  objdb::Status reserve_tick();
   void add(std::uint64_t tick, std::string_view source, std::string_view prefix, std::string_view line);
-  /// Hands what was added to the system, and to the disk as the policy wants it. Call before acknowledging.
-  void flush(bool tick_ended);
+  /// Hands what was added to the system, and to the disk as the policy wants it. Call before acknowledging. Error io:
+  /// the disk breaks, and what was added since the last good call may be lost; every later call says so again.
+  objdb::Status flush(bool tick_ended);
 
   const std::string& path() const { return path_; }
 
@@ -60,7 +64,10 @@ class Journal {
   std::string buffer_;
   std::size_t size_ = 0;      // bytes written
   std::size_t reserved_ = 0;  // bytes that the disk holds for us
+  std::optional<std::size_t> tick_start_;
+  std::size_t longest_tick_ = 0;
   bool unsynced_ = false;
+  objdb::Status kept_;
   std::chrono::steady_clock::time_point synced_at_{};
 };
 

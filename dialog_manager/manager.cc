@@ -10,6 +10,7 @@
 #include <cstring>
 #include <filesystem>
 #include <limits>
+#include <utility>
 
 #include "dialog_manager/completion.h"
 #include "dialog_manager/replay.h"
@@ -133,6 +134,7 @@ int Manager::run() {
   end_programs();
   traces_.clear();
   for (const std::string& path : made_fifos_) ::unlink(path.c_str());
+  (void)keep(true);
   out_.drain(std::chrono::seconds(5));
   if (out_.failure() != 0) {
     exit_status_ = 1;
@@ -200,7 +202,7 @@ std::optional<Wall::time_point> Manager::next_deadline() const {
 
 void Manager::flush() {
   // first the journal, then what acknowledges it
-  if (journal_) journal_->flush(false);
+  if (!keep(false)) return;
   // what is told while somebody types stands above what is typed
   if (prompt_ && (out_.pending() > 0 || errors_.pending() > 0)) prompt_->hide();
   for (const auto& manipulator : manipulators_) manipulator->flush();
@@ -324,6 +326,8 @@ Outcome Manager::forward(Call& call, Manipulator& manipulator, const Manipulator
             : word.quoted && is_path(word.text) ? "\"" + std::string(word.text) + "\""
                                                 : quote(word.text);
   }
+  if (journal_)
+    if (Status room = journal_->reserve(line.size() + 256); !room) return room.error();
   world.speak_as({lines.add(call.line), static_cast<std::uint32_t>(clock.tick()), call.source.id});
   const std::uint64_t number = addressed->ask(line);
   Source asked;
@@ -348,14 +352,23 @@ void Manager::stream_ended(Session& session) {
   if (transaction_ == &session) (void)roll_back(session);
 }
 
-int Manager::open_fifo(const std::string& path) {
+Result<Input> Manager::fifo_input(const std::string& path) {
+  const auto failed = [&](ErrorKind kind, const std::string& why) {
+    return Error{kind, path + " cannot be listened to: " + why, 0};
+  };
   // opened anew for the writers that come after the last one left: a FIFO that has seen its end says so for ever
-  return ::open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC | O_NOFOLLOW);
-}
-
-std::optional<Input> Manager::fifo_input(const std::string& path) {
-  const int descriptor = open_fifo(path);
-  if (descriptor < 0) return std::nullopt;
+  const int descriptor = ::open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC | O_NOFOLLOW);
+  if (descriptor < 0)
+    return failed(errno == EMFILE || errno == ENFILE ? ErrorKind::limit : ErrorKind::io, std::strerror(errno));
+  // what lies there now may be another than before
+  struct stat status {};
+  ::fstat(descriptor, &status);
+  const bool fifo = S_ISFIFO(status.st_mode);
+  if (!fifo || status.st_uid != ::geteuid() || (status.st_mode & 022) != 0) {
+    ::close(descriptor);
+    return failed(ErrorKind::io,
+                  fifo ? "it can be written by others, expected a FIFO of ours, mode 0600" : "it is no FIFO");
+  }
   Input input;
   input.name = path;
   input.fifo = true;
@@ -380,7 +393,23 @@ void Manager::close_tick_record() {
   const std::uint64_t value = hash();
   for (int shift = 60; shift >= 0; shift -= 4) line += digits[(value >> shift) & 15];
   journal_->add(clock.tick(), tick_source, "", line);
-  journal_->flush(true);
+  (void)keep(true);
+}
+
+bool Manager::keep(bool tick_ended) {
+  if (!journal_) return true;
+  const Status kept = journal_->flush(tick_ended);
+  if (kept) return true;
+  out_.discard();
+  if (!journal_lost_) errors_.write("dialog_manager: error io " + kept.error().sentence + "\n");
+  journal_lost_ = true;
+  exit_status_ = 1;
+  quitting_ = true;
+  return false;
+}
+
+void Manager::acknowledge() {
+  if (keep(false)) out_.flush();
 }
 
 Status Manager::begin_journal(const std::string& path, Journal::Sync sync) {
@@ -389,7 +418,7 @@ Status Manager::begin_journal(const std::string& path, Journal::Sync sync) {
   if (!made) return made.error();
   const std::string world_text = save(world);
   if (Status room = (*made)->reserve(world_text.size() + world_text.size() / 16 + 4096); !room) return room.error();
-  journal_ = std::move(*made);
+  std::unique_ptr<Journal> before = std::exchange(journal_, std::move(*made));
   // the world as it stands, said by the manager; then who moves it
   Source self;
   self.name = source_name(0);
@@ -401,8 +430,9 @@ Status Manager::begin_journal(const std::string& path, Journal::Sync sync) {
   }
   for (const auto& manipulator : manipulators_)
     if (manipulator->state() == Manipulator::State::active) journal(*main_, "", manipulator->command);
-  journal_->flush(true);
-  return {};
+  const Status kept = journal_->flush(true);
+  if (!kept) journal_ = std::move(before);
+  return kept;
 }
 
 bool Manager::open_journals() {
@@ -453,7 +483,7 @@ void Manager::end_replay(bool live) {
 
 Outcome Manager::rewind(double time) {
   if (journal_ == nullptr) return Error{ErrorKind::io, "rewind needs a journal, expected journal FILE before", 0};
-  journal_->flush(true);
+  if (Status kept = journal_->flush(true); !kept) return kept.error();
   Result<JournalText> text = read_journal(journal_->path());
   if (!text) return text.error();
   if (!(time >= text->start.time - 1e-9 && time <= clock.time() + 1e-9))
@@ -483,22 +513,11 @@ Outcome Manager::rewind(double time) {
 Status Manager::listen(const std::string& path) {
   for (const auto& speaker : speakers_)
     if (speaker->name == path) return Error{ErrorKind::exists, path + " is listened to already", 0};
-  const auto failed = [&] {
-    return Error{errno == EMFILE || errno == ENFILE ? ErrorKind::limit : ErrorKind::io,
-                 path + " cannot be listened to: " + std::strerror(errno), 0};
-  };
   const bool made = ::mkfifo(path.c_str(), 0600) == 0;
-  if (!made && errno != EEXIST) return failed();
-  struct stat status {};
-  const bool ours = ::lstat(path.c_str(), &status) == 0 && S_ISFIFO(status.st_mode) && status.st_uid == ::geteuid() &&
-                    (status.st_mode & 022) == 0;
-  if (!ours)
-    return Error{ErrorKind::io,
-                 path + (S_ISFIFO(status.st_mode) ? " can be written by others, expected a FIFO of ours, mode 0600"
-                                                  : " is no FIFO"),
-                 0};
-  std::optional<Input> input = fifo_input(path);
-  if (!input) return failed();
+  if (!made && errno != EEXIST)
+    return Error{ErrorKind::io, path + " cannot be listened to: " + std::strerror(errno), 0};
+  Result<Input> input = fifo_input(path);
+  if (!input) return input.error();
   if (input->live->failed()) return Error{ErrorKind::limit, path + " cannot be listened to: too many open files", 0};
   auto session = std::make_unique<Session>(path, Session::Style::people, out_, errors_);
   session->id = add_source(path);
@@ -610,6 +629,12 @@ bool Manager::wants_tick() const {
 }
 
 void Manager::begin_tick() {
+  if (journal_)
+    if (const Status room = journal_->reserve_tick(); !room) {
+      if (free_) event("event journal " + room.error().sentence.substr(8) + ", time stands still");
+      break_tick(room.error());
+      return;
+    }
   // what was taken back cannot be done again in another time
   undo_marks_.clear();
   redo_.clear();
@@ -651,7 +676,11 @@ void Manager::finish_tick() {
   clock.advance();
   close_tick_record();
   ++counters.ticks;
-  for (const auto& trace : traces_) trace->tick(world, clock.time());
+  std::erase_if(traces_, [&](const auto& trace) {
+    const Status written = trace->tick(world, clock.time());
+    if (!written) event("event trace " + trace->path() + " ended: " + written.error().sentence);
+    return !written;
+  });
   tell_watchers();
   for (const Schedule::Entry& entry : schedule.take_due(clock.time(), world))
     scheduled_->enqueue_command(entry.command, entry.where, entry.scope);

@@ -78,8 +78,13 @@ class Manager {
   // -- memory
   /// Keeps every accepted line from now on, after the world as it stands. Errors: io, busy.
   objdb::Status begin_journal(const std::string& path, Journal::Sync sync);
-  void end_journal() { journal_.reset(); }
+  void end_journal() {
+    if (keep(true)) journal_.reset();
+  }
   Journal* journal() { return journal_.get(); }
+  /// Sends answers on, after the journal has what they acknowledge. A journal that cannot be written any more ends the
+  /// manager, and the answers that wait are not given.
+  void acknowledge();
   /// Keeps a line that was accepted.
   void journal(const Source& source, std::string_view prefix, std::string_view line);
   bool replaying() const { return replaying_; }
@@ -147,8 +152,8 @@ class Manager {
   // -- sessions
   void session_failed(Session& session);
   void stream_ended(Session& session);
-  /// The FIFO from its next writer on; nothing when it is gone.
-  std::optional<Input> fifo_input(const std::string& path);
+  /// The FIFO from its next writer on. Errors: io (gone, no FIFO, not ours), limit.
+  objdb::Result<Input> fifo_input(const std::string& path);
   void event(std::string_view text);
   channel::Writer& errors() { return errors_; }
   channel::Loop& loop() { return loop_; }
@@ -163,7 +168,6 @@ class Manager {
   std::uint64_t hash() { return world.hash(); }
 
  private:
-  static int open_fifo(const std::string& path);
   const Command* abbreviated(std::string_view verb) const;
   Outcome check_only(Call& call, const Command& command);
   Outcome forward(Call& call, Manipulator& manipulator, const Manipulator::Verb& verb);
@@ -181,6 +185,7 @@ class Manager {
   void tell_watchers();
   bool open_journals();
   void close_tick_record();
+  bool keep(bool tick_ended);
   void end_programs();
   void open_streams();
 
@@ -204,6 +209,7 @@ class Manager {
   std::vector<std::unique_ptr<Trace>> traces_;
   Session* monitored_ = nullptr;
   std::unique_ptr<Journal> journal_;
+  bool journal_lost_ = false;  // it could not be written: this is the end
   Budget budget_;
   bool replaying_ = false;
   std::optional<double> rewinding_;  // to note in the journal when it is done

@@ -38,6 +38,7 @@ Result<std::string> read_script(const std::string& path) {
   const auto failed = [&] { return Error{ErrorKind::io, shown(path) + " cannot be read: " + std::strerror(errno), 0}; };
   if (file < 0) return failed();
   std::string text;
+  constexpr std::size_t longest = 256u << 20;
   std::array<char, 65536> block;
   while (true) {
     const ssize_t count = ::read(file, block.data(), block.size());
@@ -49,6 +50,10 @@ Result<std::string> read_script(const std::string& path) {
     }
     if (count == 0) break;
     text.append(block.data(), static_cast<std::size_t>(count));
+    if (text.size() > longest) {
+      ::close(file);
+      return Error{ErrorKind::limit, shown(path) + " is longer than 256 MiB, expected a script", 0};
+    }
   }
   ::close(file);
   return text;

@@ -58,7 +58,7 @@ bool Session::step(Manager& manager, int budget) {
     if (manager.busy_for(*this)) return did;
     // who does not read his answers is not listened to
     if (out_.pending() > unread_limit) {
-      out_.flush();
+      manager.acknowledge();
       if (out_.pending() > unread_limit) return did;
     }
     const Got got = next_line(manager, line_);
@@ -105,7 +105,8 @@ Session::Got Session::next_line(Manager& manager, Line& line) {
     } else {
       line.joints.emplace_back(joined_.size(), input.line);
     }
-    joined_ += goes_on ? without_backslash(text) : text;
+    // what is too long already does not grow
+    if (joined_.size() <= longest_line_) joined_ += goes_on ? without_backslash(text) : text;
     if (goes_on) continue;
     joining_ = false;
     line.text = joined_;
@@ -168,8 +169,13 @@ void Session::close_input(Manager& manager) {
   Input closed = std::move(stack_.back());
   stack_.pop_back();
   if (closed.live) manager.stream_ended(*this);
-  if (closed.fifo)
-    if (std::optional<Input> next = manager.fifo_input(closed.name)) enqueue(std::move(*next));
+  if (closed.fifo) {
+    objdb::Result<Input> next = manager.fifo_input(closed.name);
+    if (next)
+      enqueue(std::move(*next));
+    else
+      manager.event("event gone " + closed.name + " " + next.error().sentence);
+  }
   if (closed.answers) answer_source(closed);
 }
 
@@ -232,14 +238,14 @@ void Session::finish_reply(Manager& manager, const Status& status) {
     if (!tag_.empty() && status) out_.buffer().append("@").append(tag_).append(" ok\n");
   }
   body_.clear();
-  if (out_.pending() > 64 * 1024) out_.flush();
+  if (out_.pending() > 64 * 1024) manager.acknowledge();
   if (!status) {
-    report(status.error());
+    report(manager, status.error());
     fail(manager);
   }
 }
 
-void Session::report(const Error& error) {
+void Session::report(Manager& manager, const Error& error) {
   // the column counts from the start of the line that the word stands on
   int number = line_.number, column = std::max(error.column, 1);
   for (const auto& [offset, line] : line_.joints)
@@ -264,7 +270,7 @@ void Session::report(const Error& error) {
     return;
   }
   // what was answered before stands before the error, also where both go to one terminal
-  out_.flush();
+  manager.acknowledge();
   errors_.write(where + ":" + std::to_string(column) + ": error " + std::string(name_of(error.kind)) + " " +
                 error.sentence + "\n");
   where_.clear();

@@ -98,7 +98,7 @@ class Session : public Source {
   void run_line(Manager& manager, const Line& line, std::string where, objdb::Scope scope);
   void close_input(Manager& manager);
   void finish_reply(Manager& manager, const objdb::Status& status);
-  void report(const objdb::Error& error);
+  void report(Manager& manager, const objdb::Error& error);
   void fail(Manager& manager);
   void answer_source(const Input& input);
   bool in_source_command() const;

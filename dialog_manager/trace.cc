@@ -1,5 +1,8 @@
 #include "dialog_manager/trace.h"
 
+#include <fcntl.h>
+#include <unistd.h>
+
 #include <cerrno>
 #include <cstring>
 
@@ -61,20 +64,29 @@ Result<std::unique_ptr<Trace>> Trace::open(const std::string& path, const Databa
                    "no object that fits " + std::string(target->pattern) + " has a field " + std::string(target->field),
                    target->field_column};
   }
-  trace->file_ = std::fopen(path.c_str(), "we");
+  // a pipe that nobody reads is an error, not something to wait for
+  const int file = ::open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC | O_NONBLOCK, 0666);
+  trace->file_ = file < 0 ? nullptr : ::fdopen(file, "w");
   if (trace->file_ == nullptr) return Error{ErrorKind::io, path + " cannot be written: " + std::strerror(errno), 0};
   trace->start_ = time;
   trace->period_ = period;
-  trace->header(world);
-  trace->row(world, time);
+  for (const Status& written : {trace->header(world), trace->row(world, time)})
+    if (!written) return written.error();
+  if (std::fflush(trace->file_) != 0)
+    return Error{ErrorKind::io, path + " cannot be written: " + std::strerror(errno), 0};
   return trace;
+}
+
+Status Trace::write(const std::string& line) {
+  if (std::fprintf(file_, "%s\n", line.c_str()) >= 0) return {};
+  return Error{ErrorKind::io, path_ + " cannot be written: " + std::strerror(errno), 0};
 }
 
 Trace::~Trace() {
   if (file_ != nullptr) std::fclose(file_);
 }
 
-void Trace::header(const Database& world) {
+Status Trace::header(const Database& world) {
   static constexpr const char* axes[] = {"x", "y", "z"};
   static constexpr const char* parts[] = {"w", "x", "y", "z"};
   std::string line = "t_s";
@@ -92,10 +104,10 @@ void Trace::header(const Database& world) {
       line += unit_suffix(field, i / each);
     }
   }
-  std::fprintf(file_, "%s\n", line.c_str());
+  return write(line);
 }
 
-void Trace::row(const Database& world, double time) {
+Status Trace::row(const Database& world, double time) {
   std::string line;
   append_number(line, time);
   for (std::size_t c = 0; c < columns_.size(); ++c) {
@@ -107,13 +119,13 @@ void Trace::row(const Database& world, double time) {
     cells.resize(cells_[c]);
     for (const std::string& cell : cells) line += "," + quoted_cell(cell);
   }
-  std::fprintf(file_, "%s\n", line.c_str());
   ++rows_;
+  return write(line);
 }
 
-void Trace::tick(const Database& world, double time) {
-  if (period_ > 0 && time < start_ + static_cast<double>(rows_) * period_ - 1e-9) return;
-  row(world, time);
+Status Trace::tick(const Database& world, double time) {
+  if (period_ > 0 && time < start_ + static_cast<double>(rows_) * period_ - 1e-9) return {};
+  return row(world, time);
 }
 
 }  // namespace manager

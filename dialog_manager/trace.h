@@ -22,7 +22,8 @@ class Trace {
   Trace(const Trace&) = delete;
   Trace& operator=(const Trace&) = delete;
 
-  void tick(const objdb::Database& world, double time);
+  /// Error io: the file cannot be written any more.
+  objdb::Status tick(const objdb::Database& world, double time);
   const std::string& path() const { return path_; }
 
  private:
@@ -31,8 +32,9 @@ class Trace {
     int field;
   };
   Trace() = default;
-  void header(const objdb::Database& world);
-  void row(const objdb::Database& world, double time);
+  objdb::Status header(const objdb::Database& world);
+  objdb::Status write(const std::string& line);
+  objdb::Status row(const objdb::Database& world, double time);
 
   std::string path_;
   std::FILE* file_ = nullptr;

@@ -10,7 +10,7 @@ using namespace objdb;
 Outcome run(Call& call) {
   Journal* journal = call.manager.journal();
   if (journal == nullptr) return call.error(-1, ErrorKind::io, "branch needs a journal, expected journal FILE before");
-  journal->flush(true);
+  if (Status kept = journal->flush(true); !kept) return kept.error();
   const Result<JournalText> text = read_journal(journal->path());
   if (!text) return call.error(0, text.error().kind, text.error().sentence);
   std::error_code error;

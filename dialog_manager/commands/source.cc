@@ -20,6 +20,10 @@ Outcome run(Call& call) {
   if (!file) return call.error(0, file.error().kind, file.error().sentence);
   if (call.session->depth() >= deepest)
     return call.error(0, ErrorKind::limit, "scripts source each other more than " + std::to_string(deepest) + " deep");
+  // a pipe may never end, and everybody would wait for it
+  std::error_code ignored;
+  if (std::filesystem::is_fifo(*file, ignored))
+    return call.error(0, ErrorKind::io, *file + " is a FIFO, expected a script; listen hears a FIFO");
   Result<std::string> text = read_script(*file);
   if (!text) return call.error(0, text.error().kind, text.error().sentence);
 

@@ -52,6 +52,15 @@ Error unknown_verb(const Manager& manager, const Word& verb) {
           "no verb " + quote(verb.text.substr(0, 60)) + did_you_mean(verb.text.substr(0, 60), names), verb.column};
 }
 
+// a program speaks about its part of the world. What a person does at its window comes over a FIFO of its own, and may
+// stop time
+bool is_for_programs(const Command& command) {
+  static constexpr std::string_view steering[] = {"listen", "unlisten", "pause", "resume"};
+  if (command.name == "type" || command.name == "field") return false;
+  return command.effect != Effect::control ||
+         std::find(std::begin(steering), std::end(steering), command.name) != std::end(steering);
+}
+
 }  // namespace
 
 Manager::Manager(Options options)
@@ -256,6 +265,10 @@ Outcome Manager::execute(Source& source, Session* session, const LineWords& word
                  all[0].column};
   if (command->effect == Effect::time && in_transaction())
     return Error{ErrorKind::busy, std::string(command->name) + " makes time pass: commit or rollback first",
+                 all[0].column};
+  if (source.gate != nullptr && !is_for_programs(*command))
+    return Error{ErrorKind::owner,
+                 std::string(command->name) + " is not for programs: only people and scripts can say it",
                  all[0].column};
   if (options_.check && command->effect != Effect::change) return check_only(call, *command);
   const bool kept = journal_ != nullptr && !replaying_ && is_journaled(*command);

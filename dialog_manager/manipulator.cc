@@ -614,6 +614,22 @@ Status Manipulator::may_write(const Object& object, int index) {
   return {};
 }
 
+Status Manipulator::may_make(const Object& object) {
+  const bool declared =
+      declared_here(*object.type) || std::any_of(writes_.begin(), writes_.end(), [&](const Access& access) {
+        const Type* type = manager_.world.schema().find(access.type);
+        return access.field.empty() && type != nullptr && object.type->is(*type);
+      });
+  if (!declared)
+    return Error{ErrorKind::owner,
+                 name + " did not declare that it writes " + object.type->name() + ": " + object.path +
+                     " is not its own to make or delete",
+                 0};
+  if (!serves_path(object.path))
+    return Error{ErrorKind::owner, object.path + " is not served by " + name + " (serving " + serving_ + ")", 0};
+  return {};
+}
+
 // -- what it is told
 
 void Manipulator::log(std::string_view line) {

@@ -59,6 +59,7 @@ class Manipulator : public Source, public objdb::Gate {
   bool serves_path(std::string_view path) const { return serving_.empty() || objdb::matches(serving_, path); }
   double rate() const { return rate_; }
   objdb::Status may_write(const objdb::Object& object, int field) override;
+  objdb::Status may_make(const objdb::Object& object) override;
 
   // -- a tick
   /// Is it to take part in this tick, given its own rate?

@@ -28,11 +28,13 @@ class ScopedNames : public Names {
   const Scope& scope_;
 };
 
-/// Who asks may be refused: a program writes only what it declared and nobody else owns.
+/// Who asks may be refused: a program writes only what it declared and nobody else owns, and makes and deletes objects
+/// of its own types only.
 class Gate {
  public:
   virtual ~Gate() = default;
   virtual Status may_write(const Object& object, int field) = 0;
+  virtual Status may_make(const Object& object) = 0;
 };
 
 /// "PATTERN", "PATTERN.FIELD", "PATH.FIELD[3]", "PATH.FIELD[0..9]".

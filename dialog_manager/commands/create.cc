@@ -8,7 +8,12 @@ using namespace objdb;
 
 Outcome run(Call& call) {
   const Result<ObjectId> id = create_statement(call.manager.world, call.words, call.scope);
-  return id ? Outcome() : Outcome(id.error());
+  if (!id) return id.error();
+  // a refusal takes it back
+  if (call.source.gate != nullptr)
+    if (Status may = call.source.gate->may_make(*call.manager.world.object(*id)); !may)
+      return call.error(1, may.error().kind, may.error().sentence);
+  return {};
 }
 
 }  // namespace

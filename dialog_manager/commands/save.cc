@@ -19,7 +19,12 @@ Status write_file(std::string path, std::string_view text) {
   const bool in_place = std::filesystem::exists(path, ignored) && !std::filesystem::is_regular_file(path, ignored);
   const std::string beside = in_place ? path : path + ".part";
   // both ends of a pipe are opened, so that opening does not wait for its reader
-  const int access = std::filesystem::is_fifo(path, ignored) ? O_RDWR : O_WRONLY | O_CREAT | O_TRUNC;
+  int access = std::filesystem::is_fifo(path, ignored) ? O_RDWR : O_WRONLY | O_CREAT | O_TRUNC;
+  if (!in_place) {
+    // what lies there is the rest of a save that was cut off, or a trap: a link to something else of ours
+    ::unlink(beside.c_str());
+    access |= O_EXCL | O_NOFOLLOW;
+  }
   const int file = ::open(beside.c_str(), access | O_CLOEXEC | O_NONBLOCK, 0666);
   const auto failed = [&] {
     const int code = errno;
@@ -62,7 +67,7 @@ const Command command_save = {
     "save",
     "[FILE]",
     "Writes the world as a script that makes it again, with the same hash; without a file prints it.",
-    Effect::look,
+    Effect::control,
     0,
     1,
     run};

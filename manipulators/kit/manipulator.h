@@ -79,7 +79,7 @@ class Manipulator {
   void set(const objdb::Object& object, std::string_view field, objdb::Value value);
   /// Sets a word field by its word.
   void set_word(const objdb::Object& object, std::string_view field, std::string_view word);
-  /// Says a line as it stands: `pause`, `create ...`, `echo ...`.
+  /// Says a line as it stands: `pause`, `create ...` of a type it declared, `listen FIFO`.
   void say(std::string_view line);
 
   /// Serves until `quit` or the end of the input. The exit status.

@@ -41,6 +41,7 @@ class Operation {
 struct Outcome {
   objdb::Status status;
   std::unique_ptr<Operation> operation;
+  bool kept = false;  ///< the line belongs into the journal when the operation has ended well
 
   Outcome() = default;
   Outcome(objdb::Status ended) : status(std::move(ended)) {}

@@ -164,7 +164,7 @@ bool Manager::step() {
   }
   if (tick_in_flight()) return step_tick() || did;
   did |= step_sessions();
-  if (did && !tick_in_flight() && !in_transaction()) tell_watchers();
+  if ((did || !unwatched_.empty()) && !tick_in_flight() && !in_transaction()) tell_watchers();
   if (tick_in_flight() || quitting_) return did;
   if (wants_tick()) {
     const auto due = clock.next_tick_due();
@@ -278,7 +278,9 @@ Outcome Manager::execute(Source& source, Session* session, const LineWords& word
   if (command->effect != Effect::change) {
     monitor(source, line);
     Outcome outcome = command->run(call);
-    if (kept && outcome.status) journal(source, scope.prefix, line);
+    // a program that could not be started is not started again by who goes on with the journal
+    outcome.kept = kept && outcome.operation != nullptr;
+    if (kept && outcome.status && !outcome.kept) journal(source, scope.prefix, line);
     return outcome;
   }
 
@@ -536,6 +538,7 @@ Status Manager::listen(const std::string& path) {
   session->id = add_source(path);
   session->keep_going(true);
   session->limit_lines(4096);
+  session->speak_beside();
   session->enqueue(std::move(*input));
   speakers_.push_back(std::move(session));
   if (made) made_fifos_.push_back(path);
@@ -748,28 +751,42 @@ void Manager::unwatch(const Session& session) {
   if (watches_.empty() && watch_feed_) {
     world.unsubscribe(*watch_feed_);
     watch_feed_.reset();
+    unwatched_.clear();
   }
 }
 
 void Manager::tell_watchers() {
-  if (!watch_feed_ || !world.has_events(*watch_feed_)) return;
-  world.read_feed(*watch_feed_, [&](const Database::Event& event, const Object& object) {
-    for (const Watch& watch : watches_) {
-      const Result<Target> target = parse_target({watch.pattern, 0, false});
-      if (!target || !matches(watch.scope.resolve(target->pattern), object.path)) continue;
-      if (event.field == Database::Event::deleted) {
-        watch.session->event("event deleted " + object.path);
-      } else if (event.field == Database::Event::created) {
-        watch.session->event("event created " + object.type->name() + " " + object.path);
-      } else {
-        const Field& field = object.type->field(event.field);
-        if (!target->field.empty() && !matches(target->field, field.name)) continue;
-        std::string line = "event " + object.path + "." + field.name + " ";
-        append_value(line, field, world.value(object, event.field), world);
-        watch.session->event(line);
+  if (!watch_feed_) return;
+  if (!unwatched_.empty() && !main_->behind()) {
+    const auto held = std::exchange(unwatched_, {});
+    for (const auto& [id, field] : held)
+      if (const Object* object = world.object(id)) tell_watched(*object, field);
+  }
+  if (!world.has_events(*watch_feed_)) return;
+  world.read_feed(*watch_feed_,
+                  [&](const Database::Event& event, const Object& object) { tell_watched(object, event.field); });
+}
+
+void Manager::tell_watched(const Object& object, int field) {
+  for (const Watch& watch : watches_) {
+    const Result<Target> target = parse_target({watch.pattern, 0, false});
+    if (!target || !matches(watch.scope.resolve(target->pattern), object.path)) continue;
+    if (field == Database::Event::deleted) {
+      watch.session->event("event deleted " + object.path);
+    } else if (field == Database::Event::created) {
+      watch.session->event("event created " + object.type->name() + " " + object.path);
+    } else {
+      const Field& declared = object.type->field(field);
+      if (!target->field.empty() && !matches(target->field, declared.name)) continue;
+      if (watch.session->behind()) {
+        unwatched_.emplace(object.id, field);
+        continue;
       }
+      std::string line = "event " + object.path + "." + declared.name + " ";
+      append_value(line, declared, world.value(object, field), world);
+      watch.session->event(line);
     }
-  });
+  }
 }
 
 Result<Manipulator*> Manager::start(const std::string& program, const std::string& as,

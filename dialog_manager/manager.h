@@ -2,6 +2,7 @@
 
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -183,6 +184,7 @@ class Manager {
   void flush();
   void monitor(const Source& source, std::string_view line);
   void tell_watchers();
+  void tell_watched(const objdb::Object& object, int field);
   bool open_journals();
   void close_tick_record();
   bool keep(bool tick_ended);
@@ -206,6 +208,7 @@ class Manager {
   };
   std::vector<Watch> watches_;
   std::optional<objdb::Database::FeedId> watch_feed_;
+  std::set<std::pair<objdb::ObjectId, int>> unwatched_;  // changes that nobody read in time: told at their newest
   std::vector<std::unique_ptr<Trace>> traces_;
   Session* monitored_ = nullptr;
   std::unique_ptr<Journal> journal_;

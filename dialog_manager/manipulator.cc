@@ -161,7 +161,11 @@ void Manipulator::give_up(Error error) {
   for (auto& [number, reply] : requests_)
     if (!reply) reply = Reply{{}, failure_};
   manager_.event("event failed " + name);
-  if (subscribed_ && policy_ == Policy::stop) manager_.break_tick(failure_);
+  if (!subscribed_) return;
+  // changes are not kept for who will not hear of them
+  manager_.world.unsubscribe(feed_);
+  subscribed_ = false;
+  if (policy_ == Policy::stop) manager_.break_tick(failure_);
 }
 
 // -- what it says
@@ -349,7 +353,8 @@ void Manipulator::refuse(const Error& error) {
     input_->write(text + "\n");
     input_->flush();
   }
-  if (refused_in_row_ <= 20) manager_.errors().write(name + ": refused: " + text.substr(6) + "\n");
+  if (refused_in_row_ <= 20 && manager_.errors().pending() < 4 * unread_errors)
+    manager_.errors().write(name + ": refused: " + text.substr(6) + "\n");
   if (refused_in_row_ < refusals_in_a_row || !alive()) return;
   refused_in_row_ = 0;
   ::kill(-process_.pid, SIGKILL);

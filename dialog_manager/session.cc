@@ -11,8 +11,6 @@ using objdb::Error;
 using objdb::ErrorKind;
 using objdb::Status;
 
-constexpr std::size_t unread_limit = 1 << 20;
-
 // "@tag" at the beginning of a line that cannot be split any further
 std::string tag_of(std::string_view line) {
   line.remove_prefix(std::min(line.find_first_not_of(" \t"), line.size()));
@@ -57,9 +55,9 @@ bool Session::step(Manager& manager, int budget) {
     }
     if (manager.busy_for(*this)) return did;
     // who does not read his answers is not listened to
-    if (out_.pending() > unread_limit) {
+    if (behind()) {
       manager.acknowledge();
-      if (out_.pending() > unread_limit) return did;
+      if (behind()) return did;
     }
     const Got got = next_line(manager, line_);
     if (got == Got::end && stack_.empty()) return did;
@@ -200,6 +198,8 @@ void Session::run_line(Manager& manager, const Line& line, std::string where, ob
   Outcome outcome = manager.execute(*this, this, words_, line.text, scope, body_);
   if (outcome.operation) {
     operation_ = std::move(outcome.operation);
+    kept_line_ = outcome.kept ? line.text : std::string_view();
+    kept_prefix_ = scope.prefix;
     return;
   }
   // `source` of a framed conversation is answered when its text has been read
@@ -222,6 +222,8 @@ void Session::enqueue_command(std::string text, std::string where, const objdb::
 
 void Session::end_operation(Manager& manager, const Status& status) {
   operation_.reset();
+  if (status && !kept_line_.empty()) manager.journal(*this, kept_prefix_, kept_line_);
+  kept_line_.clear();
   finish_reply(manager, status);
 }
 
@@ -311,6 +313,16 @@ void Session::leave_texts() {
 }
 
 void Session::event(std::string_view text) {
+  // twice as much room as for answers, so that the end of a program is told when watched values fill the way
+  if (out_.pending() > 2 * unread_limit_ || errors_.pending() > 2 * unread_limit_) {
+    ++missed_;
+    return;
+  }
+  if (missed_ > 0) {
+    const std::string missed = "event missed " + std::to_string(missed_);
+    missed_ = 0;
+    event(missed);
+  }
   if (style_ == Style::framed)
     out_.buffer().append(text).append("\n");
   else

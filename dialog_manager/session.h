@@ -36,6 +36,11 @@ class Session : public Source {
   Session(std::string session_name, Style style, channel::Writer& out, channel::Writer& errors);
   /// Lines are at most this long, with their newline: 64 KiB, or PIPE_BUF on a FIFO, where longer ones may be torn.
   void limit_lines(std::size_t longest) { longest_line_ = longest; }
+  /// One of several who share the answers' way: it is not listened to from half of what the main conversation may leave
+  /// unread, so that it never stops that one.
+  void speak_beside() { unread_limit_ /= 2; }
+  /// Answers and events wait that nobody reads.
+  bool behind() const { return out_.pending() > unread_limit_ || errors_.pending() > unread_limit_; }
 
   /// Reads this after everything that stands in the queue.
   void enqueue(Input input) { queue_.push_back(std::move(input)); }
@@ -109,8 +114,11 @@ class Session : public Source {
   std::deque<Input> queue_;
   std::vector<Input> stack_;
   std::unique_ptr<Operation> operation_;
+  std::string kept_line_, kept_prefix_;  // for the journal, when the operation has ended well
   bool abbreviates_ = false;
   std::size_t longest_line_ = 65536;
+  std::size_t unread_limit_ = 2 << 20;
+  std::uint64_t missed_ = 0;  // events that were not told
   bool failed_ = false;
   bool keep_going_ = false;
   std::optional<objdb::Error> source_error_;  // the first one in the text of a framed `source` command

@@ -147,7 +147,9 @@ class Journal(Journals):
                 manager.process.wait()
                 acknowledged = 100
                 while (line := manager.line()) is not None:
-                    acknowledged = int(line.split()[0][1:])
+                    # the last one may be half an answer
+                    if line.endswith(" ok"):
+                        acknowledged = int(line.split()[0][1:])
                 other = self.manager("--resume", "kept")
                 self.assertGreaterEqual(float(other.must("get ball.position").split()[0]), acknowledged)
 
@@ -186,6 +188,23 @@ class Journal(Journals):
                 done = self.run_manager("--keep-going", "--resume", "kept", "-c", "get ball.position")
                 if accepted:
                     self.assertEqual(done.stdout.strip(), f"{accepted} 0 0", done.stderr)
+
+    def test_a_program_that_could_not_be_started_does_not_stand_in_the_way(self):
+        manager = self.manager("--seed", "4", "--journal", "kept")
+        for program in ("false", "no_such_program", "walker as early -- exit! declare"):
+            self.assertFalse(manager.ask(f"start {program}").ok)
+        for line in SETUP:
+            manager.must(line)
+        manager.must("step 3")
+        manager.must("start walker as second serving none*")
+        manager.must("end second")
+        manager.must("step 3")
+        expected = manager.hash()
+        manager.finish()
+        other = self.manager("--resume", "kept")
+        self.assertEqual(other.hash(), expected)
+        self.assertEqual(len(sailor.children(other.pid)), 1)
+        other.must("step")
 
     def test_devices_folders_and_missing_places_as_journal(self):
         for name in ("/dev/full", ".", "no/such/folder/kept"):

@@ -85,5 +85,7 @@ objdb::Result<JournalText> read_journal(const std::string& path);
 
 /// The source of the records that close a tick: "tick N TIME HASH COUNT".
 inline constexpr std::string_view tick_source = "tick";
+/// The source of the records around what a program wrote down of its state: "NAME" before, "NAME done" after.
+inline constexpr std::string_view checkpoint_source = "checkpoint";
 
 }  // namespace manager

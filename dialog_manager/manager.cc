@@ -162,6 +162,7 @@ bool Manager::step() {
     manipulator->check_deadline();
     did |= manipulator->step();
   }
+  if (checkpointing_) return step_checkpoints() || did;
   if (tick_in_flight()) return step_tick() || did;
   did |= step_sessions();
   if ((did || !unwatched_.empty()) && !tick_in_flight() && !in_transaction()) tell_watchers();
@@ -169,7 +170,7 @@ bool Manager::step() {
   if (wants_tick()) {
     const auto due = clock.next_tick_due();
     if (!due || *due <= Wall::now()) {
-      begin_tick();
+      if (!begin_checkpoints()) begin_tick();
       return true;
     }
   }
@@ -191,7 +192,9 @@ bool Manager::step_sessions() {
   return did;
 }
 
-bool Manager::all_read() const { return main_->finished() && scheduled_->operation() == nullptr && !tick_in_flight(); }
+bool Manager::all_read() const {
+  return main_->finished() && scheduled_->operation() == nullptr && !tick_in_flight() && !checkpointing_;
+}
 
 std::optional<Wall::time_point> Manager::next_deadline() const {
   std::optional<Wall::time_point> first;
@@ -205,7 +208,7 @@ std::optional<Wall::time_point> Manager::next_deadline() const {
   take_session(*main_);
   take_session(*scheduled_);
   for (const auto& speaker : speakers_) take_session(*speaker);
-  if (!tick_in_flight() && wants_tick()) take(clock.next_tick_due());
+  if (!tick_in_flight() && !checkpointing_ && wants_tick()) take(clock.next_tick_due());
   return first;
 }
 
@@ -399,6 +402,12 @@ void Manager::journal(const Source& source, std::string_view prefix, std::string
   if (journal_ == nullptr || replaying_) return;
   // a line that was joined from several is kept as one
   journal_->add(clock.tick() + (tick_in_flight() ? 1 : 0), source.name, prefix, line);
+}
+
+void Manager::journal_checkpoint(std::string_view program, bool ended) {
+  Source self;
+  self.name = checkpoint_source;
+  journal(self, "", std::string(program) + (ended ? " done" : ""));
 }
 
 void Manager::close_tick_record() {
@@ -644,6 +653,32 @@ bool Manager::wants_tick() const {
          std::any_of(speakers_.begin(), speakers_.end(), [&](const auto& each) { return wants(*each); });
 }
 
+bool Manager::begin_checkpoints() {
+  const std::uint64_t tick = clock.tick() + 1;
+  for (const auto& manipulator : manipulators_) {
+    if (!manipulator->wants_checkpoint(tick, clock.rate())) continue;
+    manipulator->ask_checkpoint();
+    checkpointing_ = true;
+  }
+  return checkpointing_;
+}
+
+bool Manager::step_checkpoints() {
+  if (std::any_of(manipulators_.begin(), manipulators_.end(), [](const auto& each) { return each->answering(); }))
+    return false;
+  for (Manipulator* manipulator : by_name()) manipulator->apply_checkpoint();
+  checkpointing_ = false;
+  begin_tick();
+  return true;
+}
+
+std::vector<Manipulator*> Manager::by_name() const {
+  std::vector<Manipulator*> out;
+  for (const auto& manipulator : manipulators_) out.push_back(manipulator.get());
+  std::sort(out.begin(), out.end(), [](const auto* a, const auto* b) { return a->name < b->name; });
+  return out;
+}
+
 void Manager::begin_tick() {
   if (journal_)
     if (const Status room = journal_->reserve_tick(); !room) {
@@ -677,11 +712,8 @@ bool Manager::step_tick() {
   for (const auto& manipulator : manipulators_)
     if (manipulator->stage == stage_ && manipulator->answering()) return false;
   // answers count in the order of names, whenever they came
-  std::vector<Manipulator*> answers;
-  for (const auto& manipulator : manipulators_)
-    if (manipulator->stage == stage_) answers.push_back(manipulator.get());
-  std::sort(answers.begin(), answers.end(), [](const auto* a, const auto* b) { return a->name < b->name; });
-  for (Manipulator* manipulator : answers) manipulator->apply_answer();
+  for (Manipulator* manipulator : by_name())
+    if (manipulator->stage == stage_) manipulator->apply_answer();
   ++stage_;
   next_stage();
   return true;
@@ -705,6 +737,10 @@ void Manager::finish_tick() {
 
 void Manager::break_tick(const Error& error) {
   free_ = false;
+  if (checkpointing_) {
+    for (const auto& manipulator : manipulators_) manipulator->abandon_tick();
+    checkpointing_ = false;
+  }
   if (stage_ >= 0) {
     // the tick did not happen for those who had not answered; what is known stays
     for (const auto& manipulator : manipulators_) manipulator->abandon_tick();
@@ -858,17 +894,18 @@ Status Manager::arrange_stages() {
     for (const Field* field : type->fields()) {
       if (field->owner != type.get()) continue;
       for (std::size_t w = 0; w < count; ++w) {
-        if (!members[w]->writes(*field)) continue;
+        if (!members[w]->declared().writes(world.schema(), *field)) continue;
         for (std::size_t r = 0; r < count; ++r) {
           // shards of one program stand side by side and see what the others did a tick later
           if (r == w || members[r]->program() == members[w]->program()) continue;
           bool delayed = false;
-          bool reads = members[r]->reads(*field, &delayed) && !delayed;
+          bool reads = members[r]->declared().reads(world.schema(), *field, &delayed) && !delayed;
           if (!reads && std::find(std::begin(moving), std::end(moving), field->name) != std::end(moving) &&
               (type->name() == "node" || type->name() == "joint"))
             for (const int derived : {scene::Scene::world_position, scene::Scene::world_orientation}) {
               bool late = false;
-              if (members[r]->reads_by_name(world.scene().node_type().field(derived), &late) && !late) reads = true;
+              if (members[r]->declared().reads_by_name(world.scene().node_type().field(derived), &late) && !late)
+                reads = true;
             }
           if (reads) before[w][r] = true;
         }

@@ -88,6 +88,8 @@ class Manager {
   void acknowledge();
   /// Keeps a line that was accepted.
   void journal(const Source& source, std::string_view prefix, std::string_view line);
+  /// Keeps that a program begins (ends) to write down its state.
+  void journal_checkpoint(std::string_view program, bool ended);
   bool replaying() const { return replaying_; }
   void replaying(bool replaying) { replaying_ = replaying; }
   void replay_tick();
@@ -140,6 +142,12 @@ class Manager {
   void break_tick(const objdb::Error& error);
 
   // -- programs
+  /// When a program is asked to write down its state: after so many ticks, or when it was told so many bytes since the
+  /// last time; 0: never for this reason.
+  struct Checkpoints {
+    std::uint64_t ticks = 60;
+    std::size_t bytes = 4u << 20;
+  } checkpoints;
   objdb::Result<Manipulator*> start(const std::string& program, const std::string& as,
                                     const std::vector<std::string>& launcher, const std::string& serving,
                                     const std::vector<std::string>& arguments);
@@ -175,6 +183,9 @@ class Manager {
   bool step();
   bool step_sessions();
   bool step_tick();
+  std::vector<Manipulator*> by_name() const;
+  bool begin_checkpoints();
+  bool step_checkpoints();
   void begin_tick();
   void next_stage();
   void finish_tick();
@@ -219,6 +230,7 @@ class Manager {
   std::size_t resume_good_ = 0;
   std::uint64_t resume_check_ = 0;
 
+  bool checkpointing_ = false;  // programs write down their state, before a tick
   int stage_ = -1;
   int stages_ = 0;
   bool free_ = false;

@@ -21,10 +21,10 @@ constexpr int strikes_allowed = 3;
 constexpr int starts_allowed = 5;
 constexpr auto starts_window = std::chrono::seconds(10);
 constexpr int refusals_in_a_row = 100;
-// without a checkpoint a restart needs every line told so far; beyond this it is given up
 constexpr std::size_t unread_errors = 1u << 20;
 constexpr std::size_t longest_answer = 64u << 20;
-constexpr std::size_t longest_log = 256u << 20;
+// a program that dies this often of writing down its state is asked for it no longer
+constexpr int checkpoints_lost_allowed = 2;
 
 Error error_at(const Word& word, ErrorKind kind, std::string sentence) {
   return {kind, std::move(sentence), word.column};
@@ -37,11 +37,43 @@ std::optional<std::uint64_t> parse_count(std::string_view text) {
   return value;
 }
 
+// "error KIND [COLUMN] sentence" as a program says it
+Error parse_error(std::string_view text) {
+  text.remove_prefix(std::min<std::size_t>(6, text.size()));
+  Error error{ErrorKind::io, std::string(text), 0};
+  for (int kind = 0; kind <= static_cast<int>(ErrorKind::io); ++kind) {
+    const std::string_view word = name_of(static_cast<ErrorKind>(kind));
+    if (!text.starts_with(word) || text.size() <= word.size() || text[word.size()] != ' ') continue;
+    error.kind = static_cast<ErrorKind>(kind);
+    error.sentence = text.substr(word.size() + 1);
+    // an optional column of the forwarded line
+    const std::size_t digits = error.sentence.find_first_not_of("0123456789");
+    if (digits != 0 && digits != std::string::npos && error.sentence[digits] == ' ') {
+      error.column = static_cast<int>(parse_count(std::string_view(error.sentence).substr(0, digits)).value_or(0));
+      error.sentence.erase(0, digits + 1);
+    }
+    break;
+  }
+  return error;
+}
+
+template <class Visit>
+void for_each_line(std::string_view text, Visit visit) {
+  while (!text.empty()) {
+    const std::size_t end = text.find('\n');
+    visit(text.substr(0, end));
+    text.remove_prefix(end + 1);
+  }
+}
+
 }  // namespace
 
 Manipulator::Manipulator(Manager& manager, std::string program_name, std::string program, std::vector<std::string> argv,
                          std::string serving)
-    : manager_(manager), program_(std::move(program)), argv_(std::move(argv)), serving_(std::move(serving)) {
+    : manager_(manager),
+      program_(std::move(program)),
+      argv_(std::move(argv)),
+      briefing_(manager.world, declared_, std::move(serving)) {
   name = std::move(program_name);
   gate = this;
 }
@@ -49,7 +81,6 @@ Manipulator::Manipulator(Manager& manager, std::string program_name, std::string
 Manipulator::~Manipulator() {
   if (alive()) kill();
   close_process();
-  if (subscribed_) manager_.world.unsubscribe(feed_);
 }
 
 std::string_view Manipulator::state_name() const {
@@ -72,22 +103,22 @@ Status Manipulator::launch() {
   state_ = State::handshaking;
   starts_.push_back(Wall::now());
   deadline_ = Wall::now() + handshake_limit;
-  reads_.clear();
-  writes_.clear();
-  verbs_.clear();
-  own_types_.clear();
-  interests_.clear();
+  declaring_ = {};
   hello();
   return {};
 }
 
 void Manipulator::hello() {
-  std::string line = "hello protocol=1 name=" + name + " seed=" + std::to_string(manager_.options().seed) +
-                     " tick=" + number(manager_.clock.step()) + " arrays=text schema=";
-  static constexpr char digits[] = "0123456789abcdef";
-  const std::uint64_t schema = manager_.world.schema().hash();
-  for (int shift = 60; shift >= 0; shift -= 4) line += digits[(schema >> shift) & 15];
-  input_->write(line + "\n");
+  // another life of the program hears what the first one heard
+  if (hello_.empty()) {
+    hello_ = "hello protocol=1 name=" + name + " seed=" + std::to_string(manager_.options().seed) +
+             " tick=" + number(manager_.clock.step()) + " arrays=text schema=";
+    static constexpr char digits[] = "0123456789abcdef";
+    const std::uint64_t schema = manager_.world.schema().hash();
+    for (int shift = 60; shift >= 0; shift -= 4) hello_ += digits[(schema >> shift) & 15];
+    hello_ += '\n';
+  }
+  input_->write(hello_);
   input_->flush();
 }
 
@@ -117,6 +148,11 @@ void Manipulator::close_process() {
   process_ = {};
 }
 
+void Manipulator::end_by_force(const std::string& how) {
+  kill();
+  died(how);
+}
+
 void Manipulator::died(const std::string& how) {
   close_process();
   deadline_.reset();
@@ -125,16 +161,22 @@ void Manipulator::died(const std::string& how) {
     return;
   }
   manager_.event("event gone " + name + " " + how);
-  if (state_ == State::handshaking && restarts_ == 0 && !subscribed_) {
+  if (!briefing_.begun()) {
     give_up({ErrorKind::gone, name + " ended with " + how + " before it was ready", 0});
     return;
   }
   ++strikes_;
+  if (writing_down_ && ++lost_checkpoints_ >= checkpoints_lost_allowed) {
+    writing_down_ = false;
+    manager_.event("event checkpoint " + name + " is asked for no longer: it ended with " + how + " when it was asked");
+  }
   while (!starts_.empty() && Wall::now() - starts_.front() > starts_window) starts_.pop_front();
-  if (strikes_ >= strikes_allowed || static_cast<int>(starts_.size()) > starts_allowed || !log_whole_) {
+  const bool forgotten = log_.lost() && declared_.policy() == Policy::stop;
+  if (strikes_ >= strikes_allowed || static_cast<int>(starts_.size()) > starts_allowed || forgotten) {
     give_up({how == "timeout" ? ErrorKind::timeout : ErrorKind::gone,
-             name + " ended with " + how + " at tick " + std::to_string(last_tick_) + ", " + std::to_string(strikes_) +
-                 (strikes_ == 1 ? " time" : " times in a row"),
+             name + " ended with " + how + " at tick " + std::to_string(last_tick_) +
+                 (forgotten ? ", and what it was told without a checkpoint is more than is kept"
+                            : ", " + std::to_string(strikes_) + (strikes_ == 1 ? " time" : " times in a row")),
              0});
     return;
   }
@@ -161,14 +203,11 @@ void Manipulator::give_up(Error error) {
   for (auto& [number, reply] : requests_)
     if (!reply) reply = Reply{{}, failure_};
   manager_.event("event failed " + name);
-  if (!subscribed_) return;
+  if (!briefing_.begun()) return;
   // changes are not kept for who will not hear of them
-  manager_.world.unsubscribe(feed_);
-  subscribed_ = false;
-  if (policy_ == Policy::stop) manager_.break_tick(failure_);
+  briefing_.end();
+  if (declared_.policy() == Policy::stop) manager_.break_tick(failure_);
 }
-
-// -- what it says
 
 bool Manipulator::step() {
   bool did = false;
@@ -204,44 +243,51 @@ bool Manipulator::step() {
         break;
     }
   }
-  if (!alive()) return true;
-  if (ended) {
-    // the end of its words is its end: what is left of it and of its children goes with it
-    std::string how = channel::reap(process_.pid);
-    if (how.empty()) {
-      if (!exited_) {
-        // a moment to end by itself, so that its exit status can be told
-        for (int i = 0; i < 20 && how.empty(); ++i) {
-          ::usleep(1000);
-          how = channel::reap(process_.pid);
-        }
-      }
-      if (how.empty()) {
-        ::kill(-process_.pid, SIGKILL);
-        ::waitpid(process_.pid, nullptr, 0);
-        how = "closed output";
-      }
-    }
-    ::kill(-process_.pid, SIGKILL);
-    process_.pid = -1;
-    died(how);
-    return true;
+  if (!ended) return true;
+  // the end of its words is its end: what is left of it and of its children goes with it
+  const std::string how = how_it_ended();
+  ::kill(-process_.pid, SIGKILL);
+  process_.pid = -1;
+  died(how);
+  return true;
+}
+
+std::string Manipulator::how_it_ended() {
+  std::string how = channel::reap(process_.pid);
+  // a moment to end by itself, so that its exit status can be told
+  for (int i = 0; i < 20 && how.empty() && !exited_; ++i) {
+    ::usleep(1000);
+    how = channel::reap(process_.pid);
   }
-  return did;
+  if (!how.empty()) return how;
+  ::kill(-process_.pid, SIGKILL);
+  ::waitpid(process_.pid, nullptr, 0);
+  return "closed output";
 }
 
 std::optional<Wall::time_point> Manipulator::deadline() const { return restart_at_ ? restart_at_ : deadline_; }
 
 void Manipulator::check_deadline() {
   if (!deadline_ || Wall::now() < *deadline_ || !alive()) return;
-  if (state_ == State::handshaking && restarts_ == 0 && !subscribed_) {
+  if (!briefing_.begun()) {
     give_up({ErrorKind::timeout, name + " did not say ready in 10 s", 0});
     return;
   }
-  ::kill(-process_.pid, SIGKILL);
-  ::waitpid(process_.pid, nullptr, 0);
-  process_.pid = -1;
-  died("timeout");
+  end_by_force("timeout");
+}
+
+bool Manipulator::owes() const { return answering() || asked() > 0; }
+
+void Manipulator::set_deadline() {
+  if (state_ != State::active) return;
+  if (owes())
+    deadline_ = Wall::now() + declared_.timeout();
+  else
+    deadline_.reset();
+}
+
+double Manipulator::waiting() const {
+  return owes() ? std::chrono::duration<double>(Wall::now() - asked_at_).count() : 0;
 }
 
 void Manipulator::pass_errors_on() {
@@ -263,53 +309,113 @@ void Manipulator::pass_errors_on() {
   }
 }
 
+// -- what it declares
+
+void Manipulator::declaration(std::string_view line) {
+  if (Status split = words_.split(line); !split) {
+    give_up({split.error().kind, name + " said: " + split.error().sentence, 0});
+    return;
+  }
+  if (words_.empty()) return;
+  if (Status status = declare(words_.words(), line); !status)
+    give_up({status.error().kind,
+             name + ": " + status.error().sentence + " (in: " + std::string(line.substr(0, 200)) + ")", 0});
+}
+
+Status Manipulator::declare(Words words, std::string_view line) {
+  const std::string_view verb = words[0].text;
+  if (verb == "ready") {
+    became_ready();
+    return {};
+  }
+  if (verb == "verb" && words.size() > 1) {
+    if (find_command(words[1].text) != nullptr)
+      return error_at(words[1], ErrorKind::exists, "verb " + std::string(words[1].text) + " is the manager's own");
+    for (const auto& other : manager_.manipulators())
+      for (const Verb& known : other->verbs())
+        if (other.get() != this && known.name == words[1].text && other->program() != program() &&
+            other->state() != State::failed)
+          return error_at(words[1], ErrorKind::exists, "verb " + known.name + " is offered by " + other->name);
+  }
+  if (Status taken = declaring_.take(words, manager_.world); !taken) return taken;
+  if ((verb == "type" || verb == "field") && !briefing_.begun()) manager_.journal(*this, "", line);
+  return {};
+}
+
+void Manipulator::became_ready() {
+  deadline_.reset();
+  state_ = State::ready;
+  declared_ = std::move(declaring_);
+  if (!briefing_.begun()) {
+    if (Status arranged = manager_.arrange_stages(); !arranged) {
+      give_up(arranged.error());
+      return;
+    }
+    manager_.schema_changed();
+    Tale tale;
+    briefing_.begin(id, tale);
+    tell(tale);
+    state_ = State::active;
+    if (manager_.budget().of != Manager::Budget::Of::nothing) tell_budget();
+    return;
+  }
+  state_ = State::active;
+  const bool afresh = log_.lost();
+  tell_again();
+  manager_.event("event restarted " + name + (afresh ? " afresh" : ""));
+}
+
+// -- what it says
+
 void Manipulator::receive(std::string_view line) {
   if (!line.empty() && line.back() == '\r') line.remove_suffix(1);
   if (state_ == State::handshaking) {
     declaration(line);
     return;
   }
-  if (line.starts_with("done") && (line.size() == 4 || line[4] == ' ')) {
-    const std::optional<std::uint64_t> tick = line.size() > 5 ? parse_count(line.substr(5)) : std::nullopt;
-    if (replaying_) {
-      if (tick && *tick == *replaying_) replaying_.reset();
-      return;
-    }
-    if (tick && awaited_ && *tick == *awaited_) {
-      awaited_.reset();
-      answered_ = true;
-      strikes_ = 0;
-      refused_in_row_ = 0;
-      spoken_ = 0;
-      to_drop_ = 0;
-      deadline_.reset();
-      last_ms_ = std::chrono::duration<double, std::milli>(Wall::now() - asked_at_).count();
-      return;
-    }
+  if (repetition_.under_way()) {
+    // as long as it comes nearer it is given time
+    set_deadline();
+    if (repetition_.heard_before(line)) return;
+  }
+  if (line.starts_with("done") && (line.size() == 4 || line[4] == ' '))
+    done(line);
+  else if (line.starts_with("@"))
+    reply_line(line);
+  else if (line.starts_with("  "))
+    reply_body_.append(line.substr(2)).append("\n");
+  else if (answering())
+    keep_for_later(line);
+  else
+    said(line);
+}
+
+void Manipulator::done(std::string_view line) {
+  const std::optional<std::uint64_t> tick = line.size() > 5 ? parse_count(line.substr(5)) : std::nullopt;
+  if (writing_down_ && line.size() == 4) {
+    writing_down_ = false;
+    lost_checkpoints_ = 0;
+  } else if (tick && awaited_ && *tick == *awaited_) {
+    awaited_.reset();
+    strikes_ = 0;
+    repetition_.finished(line);
+    last_ms_ = std::chrono::duration<double, std::milli>(Wall::now() - asked_at_).count();
+  } else {
     refuse({ErrorKind::range,
             "done " + std::string(line.substr(std::min<std::size_t>(5, line.size()))) +
-                (awaited_ ? ", expected done " + std::to_string(*awaited_) : ", though no tick is under way"),
+                (awaited_        ? ", expected done " + std::to_string(*awaited_)
+                 : writing_down_ ? ", expected done after a checkpoint"
+                                 : ", though no tick is under way"),
             1});
     return;
   }
-  if (line.starts_with("@")) {
-    reply_line(line);
-    return;
-  }
-  if (line.starts_with("  ")) {
-    reply_body_.append(line.substr(2)).append("\n");
-    return;
-  }
-  // after a restart it says again what was carried out before
-  if (replaying_) return;
-  if (to_drop_ > 0) {
-    --to_drop_;
-    return;
-  }
-  if (!awaited_) {
-    said(line);
-    return;
-  }
+  answered_ = true;
+  refused_in_row_ = 0;
+  set_deadline();
+}
+
+// what it says in a tick counts when the tick's turn comes
+void Manipulator::keep_for_later(std::string_view line) {
   // what is no command at all is refused at once, so that garbage does not grow until the end of the tick
   const std::string_view verb = line.substr(0, line.find_first_of(" \t"));
   if (!line.empty() && line[0] != '#' && find_command(verb) == nullptr)
@@ -326,7 +432,7 @@ void Manipulator::said(std::string_view line) {
     return;
   }
   if (words_.empty()) return;
-  if (!manager_.tick_in_flight()) ++spoken_;
+  if (!manager_.tick_in_flight()) repetition_.spoke();
   std::string body;
   const Outcome outcome = manager_.execute(*this, nullptr, words_, line, {}, body);
   if (!outcome.status) {
@@ -357,10 +463,7 @@ void Manipulator::refuse(const Error& error) {
     manager_.errors().write(name + ": refused: " + text.substr(6) + "\n");
   if (refused_in_row_ < refusals_in_a_row || !alive()) return;
   refused_in_row_ = 0;
-  ::kill(-process_.pid, SIGKILL);
-  ::waitpid(process_.pid, nullptr, 0);
-  process_.pid = -1;
-  died("garbage");
+  end_by_force("garbage");
 }
 
 void Manipulator::reply_line(std::string_view line) {
@@ -372,242 +475,31 @@ void Manipulator::reply_line(std::string_view line) {
   reply_body_.clear();
   for (auto& [asked, reply] : requests_) {
     if (!number || asked != *number || reply) continue;
-    reply.emplace();
-    reply->body = std::move(body);
-    std::string_view rest = blank == std::string_view::npos ? std::string_view() : line.substr(blank + 1);
-    if (rest.starts_with("error")) {
-      rest.remove_prefix(std::min<std::size_t>(6, rest.size()));
-      Error error{ErrorKind::io, std::string(rest), 0};
-      for (int kind = 0; kind <= static_cast<int>(ErrorKind::io); ++kind) {
-        const std::string_view word = name_of(static_cast<ErrorKind>(kind));
-        if (!rest.starts_with(word) || rest.size() <= word.size() || rest[word.size()] != ' ') continue;
-        error.kind = static_cast<ErrorKind>(kind);
-        error.sentence = rest.substr(word.size() + 1);
-        // an optional column of the forwarded line
-        const std::size_t digits = error.sentence.find_first_not_of("0123456789");
-        if (digits != 0 && digits != std::string::npos && error.sentence[digits] == ' ') {
-          error.column = static_cast<int>(parse_count(std::string_view(error.sentence).substr(0, digits)).value_or(0));
-          error.sentence.erase(0, digits + 1);
-        }
-        break;
-      }
-      reply->status = std::move(error);
-    }
-    deadline_.reset();
+    const std::string_view rest = blank == std::string_view::npos ? std::string_view() : line.substr(blank + 1);
+    reply = Reply{std::move(body), rest.starts_with("error") ? Status(parse_error(rest)) : Status()};
+    repetition_.finished(line);
+    set_deadline();
     return;
   }
   // a second answer after a restart is nothing to complain about
-  if (!replaying_ && restarts_ == 0)
+  if (!number || *number >= next_request_ || (restarts_ == 0 && !resumed_))
     refuse({ErrorKind::unknown, "no command waits for " + std::string(line.substr(0, blank)), 1});
-}
-
-// -- what it declares
-
-void Manipulator::declaration(std::string_view line) {
-  if (Status split = words_.split(line); !split) {
-    give_up({split.error().kind, name + " said: " + split.error().sentence, 0});
-    return;
-  }
-  if (words_.empty()) return;
-  if (Status status = declare(words_.words(), line); !status)
-    give_up({status.error().kind,
-             name + ": " + status.error().sentence + " (in: " + std::string(line.substr(0, 200)) + ")", 0});
-}
-
-Status Manipulator::declare(Words words, std::string_view line) {
-  const std::string_view verb = words[0].text;
-  const Words rest = words.subspan(1);
-  const auto expect = [&](bool good, std::string_view syntax) -> Status {
-    if (good) return {};
-    return error_at(words.back(), ErrorKind::syntax, "expected " + std::string(syntax));
-  };
-  const auto quantity = [&](std::string_view dimension) -> Result<double> {
-    if (rest.size() != 1)
-      return error_at(words.back(), ErrorKind::syntax, "expected " + std::string(verb) + " and one number");
-    return parse_real(rest[0].text, parse_unit(dimension)->dimension);
-  };
-  if (verb == "type") {
-    const Result<const Type*> type = manager_.world.declare_type(rest);
-    if (!type) return type.error();
-    own_types_.push_back(*type);
-    manager_.journal(*this, "", line);
-    return {};
-  }
-  if (verb == "field") {
-    const Result<const Field*> field = manager_.world.declare_field(rest);
-    if (!field) return field.error();
-    manager_.journal(*this, "", line);
-    return {};
-  }
-  if (verb == "verb") {
-    if (Status good =
-            expect(rest.size() >= 1 && rest.size() <= 3 && is_name(rest[0].text), "verb NAME \"SYNTAX\" \"doc\"");
-        !good)
-      return good;
-    if (find_command(rest[0].text) != nullptr)
-      return error_at(rest[0], ErrorKind::exists, "verb " + std::string(rest[0].text) + " is the manager's own");
-    for (const auto& other : manager_.manipulators())
-      for (const Verb& known : other->verbs())
-        if (other.get() != this && known.name == rest[0].text && other->program() != program() &&
-            other->state() != State::failed)
-          return error_at(rest[0], ErrorKind::exists, "verb " + known.name + " is offered by " + other->name);
-    verbs_.push_back({std::string(rest[0].text), rest.size() > 1 ? std::string(rest[1].text) : "",
-                      rest.size() > 2 ? std::string(rest[2].text) : ""});
-    return {};
-  }
-  if (verb == "reads" || verb == "writes") {
-    if (Status good = expect(!rest.empty(), std::string(verb) + " TYPE.FIELD ..."); !good) return good;
-    const bool delayed = verb == "reads" && rest.back().text == "delayed";
-    for (const Word& word : delayed ? rest.first(rest.size() - 1) : rest) {
-      const std::size_t dot = word.text.find('.');
-      Access access{std::string(word.text.substr(0, dot)),
-                    dot == std::string_view::npos ? "" : std::string(word.text.substr(dot + 1)), delayed};
-      if (!is_name(access.type) || (dot != std::string_view::npos && !is_name(access.field)))
-        return error_at(word, ErrorKind::syntax, quote(word.text) + " is not TYPE.FIELD");
-      // a type that another program will bring may still be unknown; a wrong field of a known one is an error
-      if (manager_.world.schema().find(access.type) != nullptr)
-        if (!access.field.empty())
-          if (const Result<const Field*> field = manager_.world.schema().field(word); !field) return field.error();
-      (verb == "reads" ? reads_ : writes_).push_back(std::move(access));
-    }
-    return {};
-  }
-  if (verb == "rate") {
-    const Result<double> value = quantity("Hz");
-    if (!value) return value.error();
-    if (!(*value > 0))
-      return error_at(rest[0], ErrorKind::range, "rate is " + std::string(rest[0].text) + ", expected more than 0");
-    rate_ = *value;
-    return {};
-  }
-  if (verb == "timeout") {
-    const Result<double> value = quantity("s");
-    if (!value) return value.error();
-    if (!(*value > 0 && *value < 1e6))
-      return error_at(rest[0], ErrorKind::range, "timeout is " + std::string(rest[0].text) + ", expected 0 to 1e6 s");
-    timeout_ = std::chrono::milliseconds(static_cast<long>(std::ceil(*value * 1000)));
-    return {};
-  }
-  if (verb == "policy") {
-    if (rest.size() == 1 && rest[0].text == "stop")
-      policy_ = Policy::stop;
-    else if (rest.size() == 1 && rest[0].text == "hold")
-      policy_ = Policy::hold;
-    else if (rest.size() == 1 && rest[0].text == "skip")
-      policy_ = Policy::skip;
-    else
-      return error_at(words.back(), ErrorKind::syntax, "expected policy stop, hold or skip");
-    return {};
-  }
-  if (verb == "arrays=text" || verb == "arrays=shm") return {};
-  if (verb == "ready") {
-    became_ready();
-    return {};
-  }
-  return error_at(words[0], ErrorKind::unknown,
-                  quote(verb.substr(0, 60)) +
-                      " is no declaration (type field verb reads writes rate timeout policy arrays=text ready)");
-}
-
-void Manipulator::became_ready() {
-  deadline_.reset();
-  state_ = State::ready;
-  interests_.clear();
-  if (!subscribed_) {
-    if (Status arranged = manager_.arrange_stages(); !arranged) {
-      give_up(arranged.error());
-      return;
-    }
-    manager_.schema_changed();
-    feed_ = manager_.world.subscribe();
-    subscribed_ = true;
-    tell_world();
-    return;
-  }
-  tell_again();
-  state_ = State::active;
-  manager_.event("event restarted " + name);
-}
-
-// everything it was told, once more; what it answers up to where it was has been carried out
-void Manipulator::tell_again() {
-  answer_.clear();
-  reply_body_.clear();
-  answered_ = false;
-  if (awaited_)
-    replaying_ = previous_tick_ > 0 ? std::optional(previous_tick_) : std::nullopt;
-  else
-    replaying_ = last_tick_ > 0 ? std::optional(last_tick_) : std::nullopt;
-  to_drop_ = spoken_;
-  input_->write(log_);
-  input_->flush();
-  if (awaited_ || std::any_of(requests_.begin(), requests_.end(), [](const auto& each) { return !each.second; }))
-    deadline_ = Wall::now() + timeout_ + std::chrono::milliseconds(log_.size() / 1000);
-}
-
-void Manipulator::catch_up() {
-  if (!input_ || !subscribed_) return;
-  tell_again();
-}
-
-void Manipulator::asked_before(std::uint64_t number, std::string_view line) {
-  tell_changes();
-  next_request_ = number + 1;
-  say("@" + std::to_string(number) + " " + std::string(line) + "\n");
-}
-
-bool Manipulator::declared_here(const Type& type) const {
-  return std::any_of(own_types_.begin(), own_types_.end(), [&](const Type* own) { return type.is(*own); });
-}
-
-bool Manipulator::reads(const Field& field, bool* delayed) const {
-  for (const Access& access : reads_) {
-    const Type* type = manager_.world.schema().find(access.type);
-    if (type == nullptr) continue;
-    const bool inside = access.field.empty()
-                            ? type->find(field) >= 0
-                            : field.name == access.field && (type->is(*field.owner) || field.owner->is(*type));
-    if (!inside) continue;
-    if (delayed != nullptr) *delayed = access.delayed;
-    return true;
-  }
-  return false;
-}
-
-bool Manipulator::reads_by_name(const Field& field, bool* delayed) const {
-  for (const Access& access : reads_)
-    if (access.field == field.name) {
-      *delayed = access.delayed;
-      return true;
-    }
-  return false;
-}
-
-bool Manipulator::writes(const Field& field) const {
-  for (const Access& access : writes_) {
-    const Type* type = manager_.world.schema().find(access.type);
-    if (type == nullptr) continue;
-    if (access.field.empty() ? type->find(field) >= 0
-                             : field.name == access.field && (type->is(*field.owner) || field.owner->is(*type)))
-      return true;
-  }
-  return false;
 }
 
 Status Manipulator::may_write(const Object& object, int index) {
   const Field& field = object.type->field(index);
-  bool declared = (field.is_private || field.measured) && declared_here(*object.type);
-  for (const Access& access : writes_) {
-    if (declared) break;
-    if (!access.field.empty() && access.field != field.name) continue;
-    const Type* type = manager_.world.schema().find(access.type);
-    declared = type != nullptr && object.type->is(*type);
-  }
+  const bool declared = ((field.is_private || field.measured) && declared_.brought(*object.type)) ||
+                        std::any_of(declared_.writes().begin(), declared_.writes().end(), [&](const auto& access) {
+                          if (!access.field.empty() && access.field != field.name) return false;
+                          const Type* type = manager_.world.schema().find(access.type);
+                          return type != nullptr && object.type->is(*type);
+                        });
   if (!declared)
     return Error{ErrorKind::owner, name + " did not declare that it writes " + object.type->name() + "." + field.name,
                  0};
-  if (!serves(object))
-    return Error{ErrorKind::owner, object.path + " is not served by " + name + " (serving " + serving_ + ")", 0};
+  if (!briefing_.serves(object))
+    return Error{ErrorKind::owner, object.path + " is not served by " + name + " (serving " + briefing_.serving() + ")",
+                 0};
   const std::uint16_t owner = object.slots[static_cast<std::size_t>(index)].owner;
   if (owner == id) return {};
   if (owner != 0)
@@ -616,218 +508,121 @@ Status Manipulator::may_write(const Object& object, int index) {
                      " already, expected one writer a field",
                  0};
   manager_.world.set_owner(object, index, id);
+  briefing_.owns(object, index);
   return {};
 }
 
 Status Manipulator::may_make(const Object& object) {
-  const bool declared =
-      declared_here(*object.type) || std::any_of(writes_.begin(), writes_.end(), [&](const Access& access) {
-        const Type* type = manager_.world.schema().find(access.type);
-        return access.field.empty() && type != nullptr && object.type->is(*type);
-      });
+  const bool declared = declared_.brought(*object.type) ||
+                        std::any_of(declared_.writes().begin(), declared_.writes().end(), [&](const auto& access) {
+                          const Type* type = manager_.world.schema().find(access.type);
+                          return access.field.empty() && type != nullptr && object.type->is(*type);
+                        });
   if (!declared)
     return Error{ErrorKind::owner,
                  name + " did not declare that it writes " + object.type->name() + ": " + object.path +
                      " is not its own to make or delete",
                  0};
   if (!serves_path(object.path))
-    return Error{ErrorKind::owner, object.path + " is not served by " + name + " (serving " + serving_ + ")", 0};
+    return Error{ErrorKind::owner, object.path + " is not served by " + name + " (serving " + briefing_.serving() + ")",
+                 0};
   return {};
 }
 
 // -- what it is told
 
-void Manipulator::log(std::string_view line) {
-  if (!log_whole_) return;
-  log_ += line;
-  if (log_.size() > longest_log) {
-    log_whole_ = false;
-    log_ = {};
-  }
-}
-
-void Manipulator::say(std::string_view line) {
-  log(line);
+void Manipulator::say(std::string_view text) {
   // while it is restarted the log is all it needs
-  if (input_ && state_ != State::handshaking && !manager_.replaying()) input_->write(line);
+  if (input_ && state_ == State::active && !manager_.replaying()) input_->write(text);
 }
 
-const Manipulator::Interest& Manipulator::interest(const Type& type) {
-  Interest& known = interests_[&type];
-  if (known.fields.size() == type.fields().size()) return known;
-  known.fields.assign(type.fields().size(), 0);
-  const bool own = declared_here(type);
-  for (std::size_t i = 0; i < known.fields.size(); ++i) {
-    const Field& field = *type.fields()[i];
-    if (own && !field.derived) known.fields[i] = 1;
-    for (const Access& access : reads_) {
-      if (!access.field.empty() && access.field != field.name) continue;
-      const Type* read = manager_.world.schema().find(access.type);
-      if (read == nullptr || !type.is(*read)) continue;
-      if (access.field.empty() && field.derived) continue;
-      known.fields[i] = access.delayed ? 2 : 1;
-    }
-    known.any = known.any || known.fields[i] != 0;
-  }
-  return known;
+void Manipulator::tell(const Tale& tale) {
+  if (tale.empty()) return;
+  log_.world(tale);
+  if (input_ && state_ != State::handshaking && !manager_.replaying()) tale.append_to(input_->buffer());
 }
 
-void Manipulator::schema_changed() { interests_.clear(); }
-
-bool Manipulator::serves(const Object& object) const {
-  return serving_.empty() || !declared_here(*object.type) || matches(serving_, object.path);
-}
-
-void Manipulator::tell_world() {
-  told_.clear();
-  told_types_.clear();
-  manager_.world.for_each("**", [&](const Object& object) {
-    if (interest(*object.type).any && serves(object)) meet(object);
-  });
-  introduce();
-  say(outgoing_);
-  outgoing_.clear();
-  state_ = State::active;
-  if (manager_.budget().of != Manager::Budget::Of::nothing) tell_budget();
-}
-
-void Manipulator::meet_type(const Type& type) {
-  const Schema& schema = manager_.world.schema();
-  const auto types = schema.types();
-  const auto found = std::find_if(types.begin(), types.end(), [&](const auto& each) { return each.get() == &type; });
-  const auto index = static_cast<std::size_t>(found - types.begin());
-  if (index < schema.built_in()) return;
-  if (told_types_.size() <= index) told_types_.resize(index + 1);
-  if (told_types_[index]) return;
-  told_types_[index] = true;
-  if (type.base() != nullptr) meet_type(*type.base());
-  if (std::find(own_types_.begin(), own_types_.end(), &type) != own_types_.end()) return;
-  outgoing_ += "type " + type.name() + (type.base() == nullptr ? "" : " extends " + type.base()->name()) + "\n";
-  const Interest& wanted = interest(type);
-  for (std::size_t i = 0; i < type.fields().size(); ++i) {
-    const Field& field = *type.fields()[i];
-    if (field.owner != &type || wanted.fields[i] == 0) continue;
-    if (field.ref_type != nullptr) meet_type(*field.ref_type);
-    outgoing_ += field.declaration() + "\n";
-  }
-}
-
-void Manipulator::meet_targets(const Field& field, const Value& value) {
-  if (!field.holds_refs()) return;
-  const auto visit = [&](std::int64_t target) {
-    if (const Object* object = manager_.world.object(static_cast<ObjectId>(target))) meet(*object);
-  };
-  if (const auto* one = std::get_if<std::int64_t>(&value)) visit(*one);
-  if (const auto* many = std::get_if<std::vector<std::int64_t>>(&value))
-    for (const std::int64_t each : *many) visit(each);
-}
-
-// an object brings along what it stands below and what its references name
-void Manipulator::meet(const Object& object) {
-  if (told(object.id)) return;
-  if (told_.size() <= object.id) told_.resize(object.id + 1);
-  told_[object.id] = true;
-  fresh_.push_back(&object);
-  if (const Object* parent = manager_.world.object(object.parent)) meet(*parent);
-  meet_type(*object.type);
-  const Interest& wanted = interest(*object.type);
-  for (std::size_t i = 0; i < object.slots.size(); ++i)
-    if (wanted.fields[i] != 0) meet_targets(*object.type->fields()[i], object.slots[i].value);
-}
-
-void Manipulator::introduce() {
-  std::sort(fresh_.begin(), fresh_.end(), [](const Object* a, const Object* b) { return a->id < b->id; });
-  append_objects(outgoing_, manager_.world, fresh_, [&](const Object& object, const Field& field) {
-    return interest(*object.type).fields[static_cast<std::size_t>(object.type->find(field))] != 0;
-  });
-  for (const Object* object : fresh_) {
-    const Interest& wanted = interest(*object->type);
-    for (std::size_t i = 0; i < object->slots.size(); ++i)
-      if (wanted.fields[i] != 0 && object->type->fields()[i]->derived)
-        append_set(outgoing_, manager_.world, *object, static_cast<int>(i));
-  }
+void Manipulator::tell_to_act(std::string_view line) {
+  log_.act(line);
+  say(line);
 }
 
 void Manipulator::tell_changes() {
-  if (!subscribed_) return;
-  // what a delayed read held back in the last tick comes first
-  std::vector<std::pair<ObjectId, int>> held = std::move(deferred_);
-  deferred_.clear();
-
-  std::vector<std::pair<const Object*, int>> changes;
-  fresh_.clear();
-  manager_.world.read_feed(feed_, [&](const Database::Event& event, const Object& object) {
-    if (event.field == Database::Event::deleted) {
-      if (!told(event.object)) return;
-      // references to it go with it
-      outgoing_ += "delete " + object.path + " force\n";
-      told_[event.object] = false;
-      return;
-    }
-    const Interest& wanted = interest(*object.type);
-    if (event.field == Database::Event::created || !told(object.id)) {
-      const bool of_interest = event.field == Database::Event::created
-                                   ? wanted.any
-                                   : wanted.fields[static_cast<std::size_t>(event.field)] != 0;
-      if (of_interest && serves(object)) meet(object);
-    } else if (wanted.fields[static_cast<std::size_t>(event.field)] != 0) {
-      changes.emplace_back(&object, event.field);
-    }
-  });
-  for (const auto& [object, field] : changes) meet_targets(object->type->field(field), object->value(field));
-  introduce();
-
-  for (const auto& [held_id, field] : held)
-    if (const Object* object = manager_.world.object(held_id); object != nullptr && told(held_id))
-      append_set(outgoing_, manager_.world, *object, field);
-  for (const auto& [object, field] : changes) {
-    if (std::binary_search(fresh_.begin(), fresh_.end(), object,
-                           [](const Object* a, const Object* b) { return a->id < b->id; }))
-      continue;
-    const Slot& slot = object->slots[static_cast<std::size_t>(field)];
-    const bool derived = object->type->field(field).derived;
-    // nobody is told its own words
-    if (slot.origin.source == id && !derived) continue;
-    const bool delayed = interest(*object->type).fields[static_cast<std::size_t>(field)] == 2;
-    if (delayed && manager_.tick_in_flight() && slot.origin.tick == manager_.clock.tick() + 1)
-      deferred_.emplace_back(object->id, field);
-    else
-      append_set(outgoing_, manager_.world, *object, field);
-  }
-  fresh_.clear();
-  say(outgoing_);
-  outgoing_.clear();
+  if (!briefing_.begun()) return;
+  Tale tale;
+  briefing_.changes(tale, manager_.tick_in_flight() ? manager_.clock.tick() + 1 : 0);
+  tell(tale);
 }
 
+// its part of the world as it stands, in the place of all that it was told
+void Manipulator::forget_the_past() {
+  Tale whole, own;
+  if (budget_told_) whole.text = manager_.budget().line() + "\n";
+  briefing_.whole(whole);
+  briefing_.own(own);
+  log_.begin();
+  log_.checkpoint(own, &whole);
+}
+
+// everything it was told, once more; what it answers up to where it was has been carried out
+void Manipulator::tell_again() {
+  if (answering()) {
+    answer_.clear();
+    answered_ = false;
+  }
+  reply_body_.clear();
+  if (log_.lost()) {
+    tell_changes();
+    forget_the_past();
+    repetition_.forget();
+    if (awaited_) log_.act(tick_line_);
+  }
+  repetition_.begin();
+  input_->write(log_.retell(manager_.world));
+  if (writing_down_) input_->write("checkpoint\n");
+  input_->flush();
+  set_deadline();
+}
+
+void Manipulator::tell_budget() {
+  if (!briefing_.begun()) return;
+  budget_told_ = true;
+  tell({manager_.budget().line() + "\n", {}});
+}
+
+// -- ticks
+
 bool Manipulator::due(std::uint64_t tick, double manager_rate) const {
-  if (state_ == State::failed || state_ == State::ended || state_ == State::starting || !subscribed_) return false;
-  if (rate_ <= 0 || rate_ >= manager_rate) return true;
-  const double ratio = rate_ / manager_rate;
+  if (state_ == State::failed || state_ == State::ended || state_ == State::starting || !briefing_.begun())
+    return false;
+  if (rate() <= 0 || rate() >= manager_rate) return true;
+  const double ratio = rate() / manager_rate;
   return std::floor(static_cast<double>(tick) * ratio + 1e-9) >
          std::floor(static_cast<double>(tick - 1) * ratio + 1e-9);
 }
 
 void Manipulator::send_tick(std::uint64_t tick, double time, double step) {
   tell_changes();
-  const double own_step =
-      last_tick_ == 0 ? (rate_ > 0 ? std::max(step, 1 / rate_) : step) : static_cast<double>(tick - last_tick_) * step;
-  previous_tick_ = last_tick_;
+  const double own_step = last_tick_ == 0 ? (rate() > 0 ? std::max(step, 1 / rate()) : step)
+                                          : static_cast<double>(tick - last_tick_) * step;
+  if (first_tick_ == 0) first_tick_ = tick;
   last_tick_ = tick;
   answer_.clear();
   answered_ = false;
   asked_at_ = Wall::now();
-  if (manager_.replaying()) {
-    spoken_ = 0;
-  } else {
+  if (manager_.replaying())
+    repetition_.finished("done " + std::to_string(tick));
+  else
     awaited_ = tick;
-    if (state_ == State::active) deadline_ = asked_at_ + timeout_;
-  }
-  say("tick " + std::to_string(tick) + " " + number(time) + " " + number(own_step) + "\n");
+  tick_line_ = "tick " + std::to_string(tick) + " " + number(time) + " " + number(own_step) + "\n";
+  tell_to_act(tick_line_);
+  set_deadline();
   flush();
 }
 
 void Manipulator::abandon_tick() {
   awaited_.reset();
+  writing_down_ = false;
   answered_ = false;
   answer_.clear();
 }
@@ -837,23 +632,122 @@ void Manipulator::apply_answer() {
   answered_ = false;
   const std::string answer = std::move(answer_);
   answer_.clear();
-  std::string_view rest = answer;
-  while (!rest.empty()) {
-    const std::size_t end = rest.find('\n');
-    said(rest.substr(0, end));
-    rest.remove_prefix(end + 1);
-  }
+  for_each_line(answer, [this](std::string_view line) { said(line); });
   flush();
 }
+
+// -- checkpoints
+
+bool Manipulator::wants_checkpoint(std::uint64_t tick, double manager_rate) const {
+  if (!declared_.checkpoints() || state_ != State::active || lost_checkpoints_ >= checkpoints_lost_allowed ||
+      first_tick_ == 0 || !due(tick, manager_rate))
+    return false;
+  const Manager::Checkpoints& every = manager_.checkpoints;
+  const std::uint64_t since = last_tick_ - std::max(first_tick_ - 1, checkpoint_tick_);
+  return checkpoint_wanted_ || (every.ticks > 0 && since >= every.ticks) ||
+         (every.bytes > 0 && log_.since() >= every.bytes);
+}
+
+void Manipulator::ask_checkpoint() {
+  tell_changes();
+  checkpoint_wanted_ = false;
+  writing_down_ = true;
+  answer_.clear();
+  answered_ = false;
+  asked_at_ = Wall::now();
+  say("checkpoint\n");
+  set_deadline();
+  flush();
+}
+
+// a value that is part of a checkpoint
+bool Manipulator::writes_down(std::string_view line) {
+  if (!words_.split(line) || words_.empty() || words_.words()[0].text != "set" || words_.words().size() < 2)
+    return false;
+  const Result<Target> target = parse_target(words_.words()[1]);
+  const Object* object = target ? manager_.world.find(target->pattern) : nullptr;
+  const int field = object == nullptr ? -1 : object->type->find(target->field);
+  return field >= 0 && object->type->field(field).is_private;
+}
+
+void Manipulator::apply_checkpoint() {
+  if (!answered_) return;
+  answered_ = false;
+  const std::string answer = std::move(answer_);
+  answer_.clear();
+  const std::uint64_t refused = refused_;
+  std::string rest;
+  manager_.journal_checkpoint(name, false);
+  for_each_line(answer, [&](std::string_view line) {
+    if (writes_down(line))
+      said(line);
+    else
+      rest.append(line).append("\n");
+  });
+  checkpoint_tick_ = last_tick_;
+  if (refused == refused_) {
+    manager_.journal_checkpoint(name, true);
+    checkpoint_before(true);
+  }
+  // whatever else it says has waited
+  for_each_line(rest, [this](std::string_view line) { said(line); });
+  flush();
+}
+
+// -- a life that is made again from a journal
+
+void Manipulator::checkpoint_before(bool ended) {
+  written_before_ = !ended;
+  if (!ended) {
+    tell_changes();
+    return;
+  }
+  checkpoint_tick_ = last_tick_;
+  if (log_.lost() || log_.wants_whole()) {
+    forget_the_past();
+  } else {
+    Tale own;
+    briefing_.own(own);
+    log_.checkpoint(own, nullptr);
+  }
+  repetition_.forget();
+}
+
+void Manipulator::spoke_before() {
+  if (!written_before_) repetition_.spoke();
+}
+
+void Manipulator::catch_up() {
+  written_before_ = false;
+  if (!input_ || !briefing_.begun()) return;
+  resumed_ = true;
+  tell_again();
+}
+
+void Manipulator::asked_before(std::uint64_t number, std::string_view line) {
+  tell_changes();
+  next_request_ = number + 1;
+  repetition_.asked();
+  tell_to_act("@" + std::to_string(number) + " " + std::string(line) + "\n");
+}
+
+// -- its verbs
 
 std::uint64_t Manipulator::ask(std::string_view line) {
   tell_changes();
   const std::uint64_t number = next_request_++;
   requests_.emplace_back(number, std::nullopt);
-  say("@" + std::to_string(number) + " " + std::string(line) + "\n");
-  deadline_ = Wall::now() + timeout_;
+  repetition_.asked();
+  asked_at_ = Wall::now();
+  tell_to_act("@" + std::to_string(number) + " " + std::string(line) + "\n");
+  set_deadline();
   flush();
   return number;
+}
+
+std::size_t Manipulator::asked() const {
+  return static_cast<std::size_t>(
+      std::count_if(requests_.begin(), requests_.end(), [](const auto& each) { return !each.second; }));
 }
 
 std::optional<Manipulator::Reply> Manipulator::take_reply(std::uint64_t number) {
@@ -865,10 +759,6 @@ std::optional<Manipulator::Reply> Manipulator::take_reply(std::uint64_t number) 
     return reply;
   }
   return Reply{{}, Error{ErrorKind::gone, name + " is gone", 0}};
-}
-
-void Manipulator::tell_budget() {
-  if (state_ == State::active || state_ == State::restarting) say(manager_.budget().line() + "\n");
 }
 
 std::size_t Manipulator::queued() const { return input_ ? input_->pending() : 0; }

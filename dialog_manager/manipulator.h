@@ -4,22 +4,25 @@
 #include <memory>
 #include <optional>
 #include <string>
-#include <unordered_map>
 #include <vector>
 
+#include "dialog_manager/briefing.h"
 #include "dialog_manager/channel/loop.h"
 #include "dialog_manager/channel/process.h"
 #include "dialog_manager/command.h"
+#include "dialog_manager/declaration.h"
+#include "dialog_manager/repetition.h"
+#include "dialog_manager/told_log.h"
 
 namespace manager {
 
-/// A program on the other end of two pipes, as the manager sees it: what it declared, what it has been told, what it
-/// owes an answer to. When it dies it is started again, told the same lines, and nobody notices.
+/// A program on the other end of two pipes, as the manager sees it: its life, what it is asked and what it answers.
+/// When it dies it is started again, told the same lines, and nobody notices.
 class Manipulator : public Source, public objdb::Gate {
  public:
   enum class State { starting, handshaking, ready, active, restarting, ended, failed };
-  /// What happens to the world when the program cannot be kept alive.
-  enum class Policy { stop, hold, skip };
+  using Policy = Declaration::Policy;
+  using Verb = Declaration::Verb;
 
   Manipulator(Manager& manager, std::string program_name, std::string program, std::vector<std::string> argv,
               std::string serving);
@@ -39,25 +42,11 @@ class Manipulator : public Source, public objdb::Gate {
   bool alive() const { return process_.pid > 0; }
   pid_t pid() const { return process_.pid; }
 
-  // -- what it declared
-  struct Access {
-    std::string type, field;  ///< field empty: all of the type
-    bool delayed = false;
-  };
-  struct Verb {
-    std::string name, syntax, doc;
-  };
-  const std::vector<Access>& reads() const { return reads_; }
-  const std::vector<Access>& writes() const { return writes_; }
-  const std::vector<Verb>& verbs() const { return verbs_; }
-  /// Does it read (write) this field, by declaration?
-  bool reads(const objdb::Field& field, bool* delayed = nullptr) const;
-  bool writes(const objdb::Field& field) const;
-  /// Does it name this very field, as TYPE.FIELD, in its reads?
-  bool reads_by_name(const objdb::Field& field, bool* delayed) const;
+  const Declaration& declared() const { return declared_; }
+  const std::vector<Verb>& verbs() const { return declared_.verbs(); }
   /// Is the object at this path its to serve?
-  bool serves_path(std::string_view path) const { return serving_.empty() || objdb::matches(serving_, path); }
-  double rate() const { return rate_; }
+  bool serves_path(std::string_view path) const { return briefing_.serves_path(path); }
+  double rate() const { return declared_.rate(); }
   objdb::Status may_write(const objdb::Object& object, int field) override;
   objdb::Status may_make(const objdb::Object& object) override;
 
@@ -66,16 +55,31 @@ class Manipulator : public Source, public objdb::Gate {
   bool due(std::uint64_t tick, double manager_rate) const;
   /// Tells what changed, then the tick.
   void send_tick(std::uint64_t tick, double time, double step);
-  bool answering() const { return awaited_.has_value(); }
-  // -- a life that is made again from a journal: it is told everything at its end, and says it all again
-  void spoke_before() { ++spoken_; }
-  void asked_before(std::uint64_t number, std::string_view line);
-  void catch_up();
-
+  /// Does it owe an answer to a tick or a checkpoint?
+  bool answering() const { return awaited_.has_value() || writing_down_; }
   /// Carries out what it said in this tick.
   void apply_answer();
   /// Drops what it said and no longer waits.
   void abandon_tick();
+
+  // -- checkpoints
+  /// Is it time that it writes down its state, before this tick?
+  bool wants_checkpoint(std::uint64_t tick, double manager_rate) const;
+  /// It shall write it down before the next tick in which it takes part.
+  void want_checkpoint() { checkpoint_wanted_ = true; }
+  void ask_checkpoint();
+  /// Carries out what it wrote, when it was all good; what it was told before need not be told again then.
+  void apply_checkpoint();
+  /// The tick before which the last one was written, 0 for none.
+  std::uint64_t checkpoint_tick() const { return checkpoint_tick_; }
+  /// Bytes that a restart would tell it.
+  std::size_t log_bytes() const { return log_.bytes(); }
+
+  // -- a life that is made again from a journal: it is told everything at its end, and says it all again
+  void spoke_before();
+  void asked_before(std::uint64_t number, std::string_view line);
+  void checkpoint_before(bool ended);
+  void catch_up();
 
   // -- its verbs
   /// Forwards a line; the reply arrives under the number returned.
@@ -94,56 +98,60 @@ class Manipulator : public Source, public objdb::Gate {
   /// Tells what fidelity the scene wants.
   void tell_budget();
   /// The schema grew.
-  void schema_changed();
+  void schema_changed() { briefing_.schema_changed(); }
   void flush();
 
   int restarts() const { return restarts_; }
   int stage = 0;
   double last_ms() const { return last_ms_; }
   std::size_t queued() const;
+  /// Commands that wait for its reply.
+  std::size_t asked() const;
+  /// How long it owes what it owes, s; 0: nothing.
+  double waiting() const;
+  std::uint64_t refused() const { return refused_; }
   /// What was started, under whatever name.
   const std::string& program() const { return program_; }
   /// The command that started it.
   std::string command;
 
  private:
-  struct Interest {                   // per type: which of its fields are told
-    std::vector<signed char> fields;  // 0 no, 1 yes, 2 delayed
-    bool any = false;
-  };
-
-  void say(std::string_view line);
-  void log(std::string_view line);
+  // life
   void hello();
+  void died(const std::string& how);
+  void end_by_force(const std::string& how);
+  std::string how_it_ended();
+  void restart();
+  void give_up(objdb::Error error);
+  void close_process();
+  void pass_errors_on();
+
+  // what it says
   void receive(std::string_view line);
   void declaration(std::string_view line);
   objdb::Status declare(objdb::Words words, std::string_view line);
   void became_ready();
-  void tell_again();
+  void done(std::string_view line);
   void reply_line(std::string_view line);
+  void keep_for_later(std::string_view line);
   void said(std::string_view line);
   void refuse(const objdb::Error& error);
-  void died(const std::string& how);
-  void restart();
-  void give_up(objdb::Error error);
-  void close_process();
+  bool writes_down(std::string_view line);
 
-  const Interest& interest(const objdb::Type& type);
-  bool serves(const objdb::Object& object) const;
-  void tell_world();
+  // what it is told
   void tell_changes();
-  void meet_type(const objdb::Type& type);
-  void meet_targets(const objdb::Field& field, const objdb::Value& value);
-  void meet(const objdb::Object& object);
-  void introduce();
-  bool told(objdb::ObjectId id) const { return id < told_.size() && told_[id]; }
-  bool declared_here(const objdb::Type& type) const;
-  void pass_errors_on();
+  void tell_again();
+  void tell(const Tale& tale);
+  void tell_to_act(std::string_view line);
+  void say(std::string_view text);
+  void forget_the_past();
+  bool owes() const;
+  void set_deadline();
 
   Manager& manager_;
   std::string program_;
   std::vector<std::string> argv_;
-  std::string serving_;
+  std::string hello_;
   State state_ = State::starting;
   objdb::Error failure_{objdb::ErrorKind::gone, {}, 0};
 
@@ -152,37 +160,29 @@ class Manipulator : public Source, public objdb::Gate {
   std::unique_ptr<channel::Writer> input_;
   std::unique_ptr<channel::ExitWatch> exit_;
   bool exited_ = false;
-
-  std::vector<Access> reads_, writes_;
-  std::vector<Verb> verbs_;
-  std::vector<const objdb::Type*> own_types_;
-  double rate_ = 0;  // 0: every tick
-  std::chrono::milliseconds timeout_{2000};
-  Policy policy_ = Policy::stop;
   bool quitting_ = false;
 
-  objdb::Database::FeedId feed_ = 0;
-  bool subscribed_ = false;
-  std::vector<bool> told_;
-  std::vector<bool> told_types_;
-  std::vector<const objdb::Object*> fresh_;                     // met, not yet told
-  std::vector<std::pair<objdb::ObjectId, int>> deferred_;       // delayed reads of this tick
-  std::unordered_map<const objdb::Type*, Interest> interests_;  // whose values stay where they are as it grows
-  std::string outgoing_;
+  Declaration declared_, declaring_;  // as it stands, and as a life that begins is saying it
+  Briefing briefing_;
+  ToldLog log_;
+  Repetition repetition_;
+  bool resumed_ = false;
+  bool written_before_ = false;  // the journal says what it wrote down
+  bool budget_told_ = false;
 
-  std::string log_;  // every line told, for a restart
-  bool log_whole_ = true;
-  std::optional<std::uint64_t> awaited_;    // the tick it owes
-  std::uint64_t last_tick_ = 0;             // the last tick it was told
-  std::uint64_t previous_tick_ = 0;         // the one before
-  std::size_t spoken_ = 0;                  // lines carried out since its last `done`, outside of ticks
-  std::size_t to_drop_ = 0;                 // after a restart: how many of them it still repeats
-  std::optional<std::uint64_t> replaying_;  // after a restart: what it says up to the end of this tick was said before
+  std::optional<std::uint64_t> awaited_;  // the tick it owes
+  bool writing_down_ = false;             // it owes its state
   bool answered_ = false;
   std::string answer_;
+  std::uint64_t last_tick_ = 0;  // the last tick it was told
+  std::string tick_line_;        // how
   std::uint64_t next_request_ = 1;
   std::vector<std::pair<std::uint64_t, std::optional<Reply>>> requests_;
   std::string reply_body_;
+
+  std::uint64_t checkpoint_tick_ = 0, first_tick_ = 0;
+  bool checkpoint_wanted_ = false;
+  int lost_checkpoints_ = 0;  // in a row, lives that ended in one
 
   std::optional<channel::Clock::time_point> deadline_;
   channel::Clock::time_point asked_at_{};

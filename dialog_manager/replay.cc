@@ -93,6 +93,7 @@ class Replay : public Operation {
   Status carry_out(Manager& manager, const Record& record) {
     if (record.source == tick_source) return close_tick(manager, record);
     if (record.source == ask_source) return ask(manager, record);
+    if (record.source == checkpoint_source) return checkpoint(manager, record);
     if (Status split = words_.split(record.line); !split) return split;
     if (words_.empty() || sets_measured(manager.world, words_)) return {};
     const std::string_view verb = words_.words()[0].text;
@@ -102,6 +103,7 @@ class Replay : public Operation {
     Source source;
     source.id = manager.add_source(record.source);
     source.name = record.source;
+    if (live_) source.gate = manager.find_manipulator(record.source);
     std::string body;
     const Scope scope{record.prefix};
     Outcome outcome = manager.execute(source, manager.main_session(), words_, record.line, scope, body);
@@ -157,6 +159,14 @@ class Replay : public Operation {
       std::from_chars(line.data() + name + 1, line.data() + number, value);
       manipulator->asked_before(value, line.substr(number + 1));
     }
+    return {};
+  }
+
+  Status checkpoint(Manager& manager, const Record& record) {
+    if (!live_) return {};
+    const std::string_view name = std::string_view(record.line).substr(0, record.line.find(' '));
+    if (Manipulator* manipulator = manager.find_manipulator(name))
+      manipulator->checkpoint_before(name.size() < record.line.size());
     return {};
   }
 

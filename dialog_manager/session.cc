@@ -93,7 +93,8 @@ Session::Got Session::next_line(Manager& manager, Line& line) {
       line.text = joined_;
       return Got::line;
     }
-    const bool goes_on = style_ == Style::people && continues(text);
+    // lines of a program stand alone; those of a script that it has read do not
+    const bool goes_on = (style_ == Style::people || !input.live) && continues(text);
     if (!joining_) {
       line.number = input.line;
       line.text = text;

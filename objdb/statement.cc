@@ -384,14 +384,21 @@ void append_objects(std::string& out, const Database& database, std::span<const 
 
 void append_set(std::string& out, const Database& database, const Object& object, int field) {
   const Field& declared = object.type->field(field);
-  const Value value = database.value(object, field);
-  const std::string head = "set " + object.path + "." + declared.name;
+  if (declared.derived)
+    append_set(out, database, object.path, declared, database.value(object, field));
+  else
+    append_set(out, database, object.path, declared, object.value(field));
+}
+
+void append_set(std::string& out, const Names& names, std::string_view path, const Field& declared,
+                const Value& value) {
   if (!declared.array) {
-    out += head + " ";
-    append_value(out, declared, value, database);
+    out.append("set ").append(path).append(".").append(declared.name).append(" ");
+    append_value(out, declared, value, names);
     out += '\n';
     return;
   }
+  const std::string head = "set " + std::string(path) + "." + declared.name;
   const std::size_t count = element_count(declared, value);
   std::string words, element;
   std::size_t first = 0;
@@ -406,7 +413,7 @@ void append_set(std::string& out, const Database& database, const Object& object
   };
   for (std::size_t i = 0; i < count; ++i) {
     element = ' ';
-    append_element(element, declared, value, i, database);
+    append_element(element, declared, value, i, names);
     if (!words.empty() && words.size() + element.size() > longest_set) flush(i);
     words += element;
   }

@@ -77,6 +77,8 @@ void append_objects(std::string& out, const Database& database, std::span<const 
                     const Include& include);
 /// `set PATH.FIELD VALUE...`, in several lines when one would be too long.
 void append_set(std::string& out, const Database& database, const Object& object, int field);
+/// The same of a value that the object need not have any more.
+void append_set(std::string& out, const Names& names, std::string_view path, const Field& field, const Value& value);
 
 /// The whole world as a script: types, fields, objects, references. Reading it gives the same hash.
 std::string save(const Database& database);

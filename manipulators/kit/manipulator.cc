@@ -169,6 +169,7 @@ void Manipulator::hear_hello(Words words) {
     if (key == "tick") hello_.tick = parse(value, hello_.tick);
   }
   output_ += declarations_;
+  if (checkpoint_) say("checkpoint");
   say("ready");
 }
 

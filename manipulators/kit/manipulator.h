@@ -52,7 +52,8 @@ class Manipulator {
   void on_verb(std::string verb, std::function<objdb::Result<std::string>(objdb::Words)> handler) {
     verbs_[std::move(verb)] = std::move(handler);
   }
-  /// Called now and then: write what a fresh process would need to go on into fields declared `private`.
+  /// Called now and then: write what a fresh process would need to go on into fields declared `private`. A program
+  /// that remembers nothing gives an empty handler: then a restart tells it no more than the world.
   void on_checkpoint(std::function<void()> handler) { checkpoint_ = std::move(handler); }
 
   /// The mirror: every object of the types that the program declared, and what else it reads. Current at every tick

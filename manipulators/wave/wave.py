@@ -8,6 +8,7 @@ field wave.middle vec3 m "about which it rises and falls"
 field wave.height real m = 0.1 "from the middle to the top"
 field wave.period real s = 2 in 0.01 1e6 "from top to top"
 writes wave.position
+checkpoint
 ready''', flush=True)
 
 waves = {}  # path -> {field: [words]}; what is not told has its default
@@ -30,3 +31,5 @@ for line in sys.stdin:
             y += float(fields["height"][0]) * math.sin(2 * math.pi * float(words[1]) / float(fields["period"][0]))
             print("set", path + ".position", x, y, z)
         print("done", words[0], flush=True)
+    elif verb == "checkpoint":
+        print("done", flush=True)  # all that it knows it has been told

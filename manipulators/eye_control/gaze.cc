@@ -116,8 +116,9 @@ Vec2 Gaze::unseen_causes(const Stimulus& s, bool visible) {
   // a gaze shift beyond the eyes' range is the head's to finish: the reflex waits until the target is within reach
   Vec2 moved = s.goal.beyond ? Vec2{} : p_.vor_gain * (then - now);
 
-  // in fixation the remaining slip of the world builds up an optokinetic velocity
-  const Vec2 slip = visible && !pursuit_.active() && !s.goal.beyond ? pursuit_.slip() : Vec2{};
+  // in fixation the remaining slip of the world builds up an optokinetic velocity; what an eye that comes to rest after
+  // pursuit makes slip is known from the copy of its command, and is not the world's
+  const Vec2 slip = visible && !pursuit_.active() && !s.goal.beyond ? pursuit_.target_velocity() : Vec2{};
   optokinetic_ += p_.step * (p_.optokinetic_gain * slip - (1 / p_.optokinetic_time) * optokinetic_);
   moved += p_.step * optokinetic_ + restless_.drift(n_);
   if (p_.integrator_time > 0) moved -= (p_.step / p_.integrator_time) * path_;

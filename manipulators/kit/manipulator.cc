@@ -154,6 +154,8 @@ void Manipulator::hear(std::string_view line) {
     say("done");
   } else if (verb == "hello") {
     hear_hello(rest);
+  } else if (verb == "budget") {
+    hear_budget(rest);
   } else if (verb == "quit") {
     quit_ = true;
   }
@@ -171,6 +173,13 @@ void Manipulator::hear_hello(Words words) {
   output_ += declarations_;
   if (checkpoint_) say("checkpoint");
   say("ready");
+}
+
+void Manipulator::hear_budget(Words words) {
+  budget_ = {};
+  if (words.size() != 2) return;
+  budget_.of = words[0].text == "time" ? Budget::Of::time : Budget::Of::error;
+  budget_.value = parse(words[1].text, 0.0);
 }
 
 void Manipulator::hear_world(const LineWords& words) {

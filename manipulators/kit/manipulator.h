@@ -39,6 +39,12 @@ struct Hello {
   double tick = 1.0 / 60;  ///< s, length of a tick
 };
 
+/// What the scene wants of programs that can choose between methods: at most this error, or this time a tick.
+struct Budget {
+  enum class Of { nothing, error, time } of = Of::nothing;
+  double value = 0;  ///< m or rad, as the program's own errors are; or s
+};
+
 class Manipulator {
  public:
   /// `declarations`: lines of the language (type field verb reads writes rate timeout policy), blanks before them do
@@ -60,6 +66,8 @@ class Manipulator {
   /// and verb.
   objdb::Database& world() { return world_; }
   const Hello& hello() const { return hello_; }
+  /// What was last said by `budget`.
+  const Budget& budget() const { return budget_; }
 
   /// Objects of a type and its subtypes, in order of creation; none when the type is not known (yet).
   std::vector<const objdb::Object*> objects(std::string_view type) const;
@@ -91,6 +99,7 @@ class Manipulator {
   void hear(std::string_view line);
   void hear_world(const objdb::LineWords& words);
   void hear_hello(objdb::Words words);
+  void hear_budget(objdb::Words words);
   void answer(const objdb::LineWords& words);
   void flush();
 
@@ -98,6 +107,7 @@ class Manipulator {
   std::string declarations_;
   objdb::Database world_;
   Hello hello_;
+  Budget budget_;
   std::function<void(const Tick&)> tick_;
   std::function<void()> checkpoint_;
   std::map<std::string, std::function<objdb::Result<std::string>(objdb::Words)>, std::less<>> verbs_;

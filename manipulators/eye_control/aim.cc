@@ -71,7 +71,7 @@ Aim aim_at(const Sight& target, double eye_distance, double range) {
 
 Vec2 within_range(Vec2 version, double range) {
   // almost always deep inside: no trigonometry needed
-  if (dot(version, version) < 0.8 * range * range) return version;
+  if (dot(version, version) < near_range2(range)) return version;
   const Vector3d d = helmholtz_direction(version);
   return d.z() >= std::cos(range) ? version : helmholtz_angles(on_cone(d, range));
 }

@@ -58,6 +58,9 @@ Aim aim_at(const Sight& target, double eye_distance, double range);
 /// `version` moved to the nearest direction within the cone of half angle `range` about straight ahead.
 Vec2 within_range(Vec2 version, double range);
 
+/// Versions of less than the root of this length are within the range for certain, without any trigonometry.
+inline double near_range2(double range) { return 0.8 * range * range; }
+
 /// Angle between straight ahead and the direction of Helmholtz angles, rad.
 double eccentricity(Vec2 version);
 

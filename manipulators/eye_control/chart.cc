@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "manipulators/eye_control/loop.h"
+#include "manipulators/eye_control/methods.h"
 #include "manipulators/eye_control/simulate.h"
 #include "objdb/text.h"
 
@@ -335,6 +336,68 @@ Sheet vergence() {
   return sheet;
 }
 
+// -- beside the recordings that scripts/chart finds
+
+// a cosine of the recorded pursuit: amplitude deg, period s. It has been followed for six periods before
+Sheet recorded_pursuit() {
+  Sheet sheet("condition,t_s,target_deg,eye_deg,smooth_deg_s");
+  const struct {
+    const char* name;
+    double period;
+  } conditions[] = {{"FS", 4.19}, {"SS", 5.12}};
+  constexpr double amplitude = 14.61, before = 6;
+  for (const auto& c : conditions) {
+    FollowingWorld world;
+    const auto target = [&](double t) { return amplitude * std::cos(2 * pi * t / c.period); };
+    for (auto n = static_cast<int64_t>(-1000 * before * c.period); n <= static_cast<int64_t>(1000 * c.period); ++n) {
+      const double t = static_cast<double>(n) / 1000;
+      world.target_track().add(t, {target(t) * deg, 0, 0});
+    }
+    for (const Sample& s : samples(world, Parameters{})) {
+      if (s.time < 0 || std::llround(1000 * s.time) % 10 != 0) continue;
+      sheet.cell(c.name).cell(s.time).cell(target(s.time)).cell(s.eye.x).cell(s.velocity).end();
+    }
+  }
+  return sheet;
+}
+
+// latencies of 400 saccades of 10 deg to and fro as LATER spreads them, ms, in order of size
+Sheet latencies() {
+  Parameters p;
+  p.later_sigma = 1;
+  FollowingWorld world;
+  constexpr int count = 400;
+  for (int k = 0; k <= count; ++k) {
+    const double side = k % 2 ? 5 : -5;
+    for (double t : {1.5 * k, 1.5 * (k + 1)}) world.target_track().add(t, {side * deg, 0, 0});
+  }
+  std::vector<double> found;
+  Mode before = Mode::fixation;
+  double since = 0;
+  simulate(world, std::make_shared<Parameters>(p), Frame::head, [&](const TraceRow& row, const Gaze&) {
+    const double phase = std::fmod(row.time + 1e-9, 1.5);
+    if (phase < since) before = Mode::fixation;
+    since = phase;
+    if (row.mode == Mode::saccade && before != Mode::saccade && row.time > 1.5) found.push_back(1e3 * phase);
+    before = row.mode;
+  });
+  std::sort(found.begin(), found.end());
+  Sheet sheet("share,latency_ms");
+  for (size_t k = 0; k < found.size(); ++k) {
+    sheet.cell((static_cast<double>(k) + 0.5) / static_cast<double>(found.size())).cell(found[k]).end();
+  }
+  return sheet;
+}
+
+// what each method costs and is worth
+Sheet methods() {
+  Sheet sheet("method,error_deg,ns_per_figure_step");
+  for (const MethodRow& row : method_table()) {
+    sheet.cell(word(row.method)).cell(measured_error(row.method) / deg).cell(1e9 * measured_cost(row.method)).end();
+  }
+  return sheet;
+}
+
 }  // namespace
 
 objdb::Status write_charts(const std::string& folder) {
@@ -344,11 +407,19 @@ objdb::Status write_charts(const std::string& folder) {
   const struct {
     const char* name;
     Sheet (*make)();
-  } sheets[] = {{"work_precision", work_precision},   {"stability_gain", stability_gain},
-                {"stability_local", stability_local}, {"ramps", ramps},
-                {"accelerations", accelerations},     {"sines", sines},
-                {"main_sequence", main_sequence},     {"profiles", profiles},
-                {"gaze_shift", gaze_shift},           {"vergence", vergence}};
+  } sheets[] = {{"work_precision", work_precision},
+                {"stability_gain", stability_gain},
+                {"stability_local", stability_local},
+                {"ramps", ramps},
+                {"accelerations", accelerations},
+                {"sines", sines},
+                {"main_sequence", main_sequence},
+                {"profiles", profiles},
+                {"gaze_shift", gaze_shift},
+                {"vergence", vergence},
+                {"recorded_pursuit", recorded_pursuit},
+                {"latencies", latencies},
+                {"methods", methods}};
   for (const auto& sheet : sheets) {
     const auto path = std::filesystem::path(folder) / (std::string(sheet.name) + ".csv");
     if (auto status = sheet.make().write(path); !status) return status;

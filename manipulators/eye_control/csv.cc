@@ -49,7 +49,26 @@ Error cell_error(const std::string& name, int line, int column, ErrorKind kind, 
   return {kind, place + ": error " + std::string(objdb::name_of(kind)) + " " + sentence, column};
 }
 
-Result<Table> read_table(std::istream& in, const std::string& name) {
+namespace {
+
+// what is wrong with the names of the columns, or nothing
+std::string header_fault(const std::vector<std::string>& columns, std::span<const std::string_view> needed) {
+  for (size_t k = 1; k < columns.size(); ++k) {
+    const auto end = columns.begin() + static_cast<std::ptrdiff_t>(k);
+    if (std::find(columns.begin(), end, columns[k]) != end) return "column " + columns[k] + " is there twice";
+  }
+  std::string all;
+  for (std::string_view name : needed) all += (all.empty() ? "" : ",") + std::string(name);
+  for (std::string_view name : needed) {
+    if (std::find(columns.begin(), columns.end(), name) != columns.end()) continue;
+    return "column " + std::string(name) + " is missing, expected a first line " + all;
+  }
+  return {};
+}
+
+}  // namespace
+
+Result<Table> read_table(std::istream& in, const std::string& name, std::span<const std::string_view> needed) {
   Table table;
   std::string line;
   int number = 0;
@@ -63,6 +82,8 @@ Result<Table> read_table(std::istream& in, const std::string& name) {
     const std::vector<Cell> cells = split(line);
     if (table.columns.empty()) {
       for (const Cell& cell : cells) table.columns.emplace_back(cell.text);
+      const std::string fault = header_fault(table.columns, needed);
+      if (!fault.empty()) return cell_error(name, number, 1, ErrorKind::unknown, fault);
       continue;
     }
     if (cells.size() != table.columns.size()) {
@@ -71,6 +92,7 @@ Result<Table> read_table(std::istream& in, const std::string& name) {
                             std::to_string(table.columns.size()));
     }
     std::vector<double> row;
+    std::vector<int> places;
     for (size_t k = 0; k < cells.size(); ++k) {
       const std::string_view text = cells[k].text;
       double value = std::numeric_limits<double>::quiet_NaN();
@@ -83,22 +105,24 @@ Result<Table> read_table(std::istream& in, const std::string& name) {
         }
       }
       row.push_back(value);
+      places.push_back(cells[k].column);
     }
     table.rows.push_back(std::move(row));
     table.lines.push_back(number);
+    table.places.push_back(std::move(places));
   }
   if (table.columns.empty()) return cell_error(name, 1, 1, ErrorKind::syntax, "the table is empty, expected a header");
   return table;
 }
 
-Result<Table> read_table_file(const std::string& path) {
+Result<Table> read_table_file(const std::string& path, std::span<const std::string_view> needed) {
   std::ifstream in(path);
   if (!in || in.peek() == std::ifstream::traits_type::eof()) {
     const bool opened = in.is_open();
     return cell_error(path, 1, 1, ErrorKind::io,
                       opened ? "the file is empty or cannot be read" : "the file cannot be opened");
   }
-  return read_table(in, path);
+  return read_table(in, path, needed);
 }
 
 }  // namespace eye

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "manipulators/eye_control/methods.h"
 #include "objdb/text.h"
 
 namespace eye {
@@ -30,7 +31,10 @@ constexpr std::string_view fixed_declarations = R"eyes(
   field gaze.target ref:node "what the eyes alone look at; without it they look where the neck does"
   field gaze.neck ref:node "whose look to take part in; without it the neck of the same figure"
   field gaze.follow bool = true "take part in the look of the neck"
-  field gaze.method word = full of snap saccade_only linear full "from geometry alone to the whole model"
+  field gaze.method word = full of auto snap saccade_only linear full "from geometry alone to the whole model; auto: by the budget"
+  field gaze.method_used word = full of snap saccade_only linear full "the method that moves the eyes"
+  field gaze.predicted_error real rad "measured angle between its gaze and that of the whole model, root mean square"
+  field gaze.predicted_time real s "measured processor time of a figure in a tick"
   field gaze.mode word = fixation of fixation latency saccade pursuit vergence blink "what the eyes are doing"
   field gaze.status word = no_target of ok no_target out_of_range no_eyes bad_parameter
   field gaze.reason text "one sentence, when there is something to say"
@@ -45,6 +49,7 @@ constexpr std::string_view fixed_declarations = R"eyes(
   reads joint.dh joint.angle
   reads neck.target neck.point neck.active
   writes eye.orientation eye.azimuth eye.elevation eye.torsion
+  writes gaze.method_used gaze.predicted_error gaze.predicted_time
   writes gaze.target gaze.mode gaze.status gaze.reason gaze.gaze_error gaze.vergence gaze.trust gaze.saccades gaze.blink
 )eyes";
 
@@ -143,12 +148,45 @@ objdb::Result<std::string> Eyes::look(objdb::Words words) {
 // -- a tick
 
 void Eyes::tick(const kit::Tick& now) {
+  const double start = processor_time();
   std::erase_if(pairs_, [&](const auto& entry) { return me_.world().object(entry.first) == nullptr; });
-  for (const Object* object : me_.objects("gaze")) {
-    const double start = processor_time();
-    move(*object, pairs_[object->id], now);
-    me_.set(*object, "elapsed", processor_time() - start);
+  necks_.clear();
+  necks_known_ = false;
+  const auto objects = me_.objects("gaze");
+  automatic_ = chosen(objects.size(), now.step);
+  steps_ = now.step / Parameters().step;
+  std::vector<Pair*> ready;
+  for (const Object* object : objects) {
+    Pair& pair = pairs_[object->id];
+    if (prepare(*object, pair, now)) {
+      ready.push_back(&pair);
+    } else {
+      pair.seat.leave();
+    }
   }
+
+  const auto end = static_cast<int64_t>(std::floor(now.time / Parameters().step + 1e-6));
+  crowd_.advance(end, [](void* who, const Crowd::Table& table, size_t lane) {
+    Pair& pair = *static_cast<Pair*>(who);
+    return stimulus(pair.world, table.parameters(), pair.parameters.eye_distance, table.step(), table.aim(lane),
+                    pair.sighting);
+  });
+  for (Pair* pair : ready) {
+    const Parameters& p = pair->parameters;
+    pair->world.forget(p.visual_delay + p.visual_lag + p.vor_latency + 0.1);
+    show(*pair);
+  }
+  // figures are moved together, so each is told its share
+  const double share = (processor_time() - start) / static_cast<double>(std::max<size_t>(objects.size(), 1));
+  for (const Object* object : objects) me_.set(*object, "elapsed", share);
+}
+
+// the method of those that leave it to the budget
+Method Eyes::chosen(size_t figures, double step) const {
+  const kit::Budget& budget = me_.budget();
+  if (budget.of == kit::Budget::Of::error) return within_error(budget.value);
+  if (budget.of == kit::Budget::Of::time) return within_time(budget.value, figures, step / Parameters().step);
+  return Method::full;
 }
 
 // where the eyes sit; else a sentence that says what is missing
@@ -169,13 +207,21 @@ std::string Eyes::find(const Object& object, Sockets& sockets) {
   return "";
 }
 
-const Object* Eyes::neck_of(const Object& object) const {
+const Object* Eyes::neck_of(const Object& object) {
   if (const Object* named = me_.target(object, "neck")) return named->type->name() == "neck" ? named : nullptr;
-  const std::string folder = object.path.substr(0, object.path.rfind('/') + 1);
-  for (const Object* neck : me_.objects("neck")) {
-    if (neck->path.starts_with(folder)) return neck;
+  if (!necks_known_) {
+    for (const Object* neck : me_.objects("neck")) {
+      const std::string_view path = neck->path;
+      necks_.emplace("", neck);
+      for (size_t end = path.find('/'); end != path.npos; end = path.find('/', end + 1)) {
+        necks_.emplace(path.substr(0, end + 1), neck);
+      }
+    }
+    necks_known_ = true;
   }
-  return nullptr;
+  const std::string_view path = object.path;
+  const auto found = necks_.find(path.substr(0, path.rfind('/') + 1));
+  return found == necks_.end() ? nullptr : found->second;
 }
 
 Eyes::Wish Eyes::wish(const Object& object) {
@@ -198,86 +244,109 @@ Eyes::Wish Eyes::wish(const Object& object) {
   return wish;
 }
 
-std::shared_ptr<const Parameters> Eyes::parameters(const Object& object, double eye_distance) const {
-  auto p = std::make_shared<Parameters>();
-  for (const Parameter& row : parameter_table()) {
-    if (is_given(row.name)) continue;
-    (*p).*row.value = row.is_switch() ? static_cast<double>(me_.get<std::int64_t>(object, row.name))
-                                      : me_.get<double>(object, row.name);
+Parameters Eyes::parameters(const Object& object, double eye_distance) {
+  const auto table = parameter_table();
+  if (fields_of_ != object.type) {
+    fields_of_ = object.type;
+    fields_.clear();
+    for (const Parameter& row : table) fields_.push_back(is_given(row.name) ? -1 : object.type->find(row.name));
   }
-  p->method = *method_of(me_.word(object, "method"));
-  p->eye_distance = eye_distance;
+  Parameters p;
+  for (size_t k = 0; k < table.size(); ++k) {
+    if (fields_[k] < 0) continue;
+    const objdb::Value& value = object.value(fields_[k]);
+    p.*table[k].value =
+        table[k].is_switch() ? static_cast<double>(std::get<std::int64_t>(value)) : std::get<double>(value);
+  }
+  const std::string_view method = me_.word(object, "method");
+  p.method = method == "auto" ? automatic_ : *method_of(method);
+  p.eye_distance = eye_distance;
   // the seed of the whole run counts too; both stay whole numbers
-  p->seed = std::fmod(std::floor(p->seed) + 1000003.0 * static_cast<double>(me_.hello().seed % 4294967296u), 0x1p53);
+  p.seed = std::fmod(std::floor(p.seed) + 1000003.0 * static_cast<double>(me_.hello().seed % 4294967296u), 0x1p53);
   return p;
 }
 
+// the step at which a tick begins
+namespace {
+int64_t first_step(const kit::Tick& now) {
+  return static_cast<int64_t>(std::floor((now.time - now.step) / Parameters().step + 1e-6));
+}
+// the same time, up to a rate that has just changed
+bool about(int64_t a, int64_t b) { return std::abs(a - b) <= 2; }
+uint64_t seed_of(const Parameters& p) { return static_cast<uint64_t>(p.seed); }
+}  // namespace
+
 // a pair that is new, or whose time was turned back, starts from where its eyes point
-void Eyes::rest(Pair& pair, const Sockets& sockets, std::shared_ptr<const Parameters> p, const kit::Tick& now) {
+void Eyes::rest(Pair& pair, const kit::Tick& now) {
   auto& scene = me_.world().scene();
-  const Matrix3d R_HW = rotation_of(scene.world(*sockets.head)).transpose();
-  const Vec2 left = helmholtz_angles(R_HW * rotation_of(scene.world(*sockets.left)).col(2));
-  const Vec2 right = helmholtz_angles(R_HW * rotation_of(scene.world(*sockets.right)).col(2));
-  pair.gaze = std::make_unique<Gaze>(p);
-  const double begin = now.time - now.step;
-  pair.gaze->rest({0.5 * (left + right), left.x - right.x, false},
-                  static_cast<int64_t>(std::floor(begin / p->step + 1e-6)));
+  const Matrix3d R_HW = rotation_of(scene.world(*pair.sockets.head)).transpose();
+  const Vec2 left = helmholtz_angles(R_HW * rotation_of(scene.world(*pair.sockets.left)).col(2));
+  const Vec2 right = helmholtz_angles(R_HW * rotation_of(scene.world(*pair.sockets.right)).col(2));
+  pair.seat = crowd_.seat(pair.parameters, first_step(now), &pair);
+  pair.seat.rest({0.5 * (left + right), left.x - right.x, false}, seed_of(pair.parameters));
   pair.world = TickWorld();
   pair.target = 0;
   pair.seeing = false;
 }
 
-void Eyes::move(const Object& object, Pair& pair, const kit::Tick& now) {
-  Sockets sockets{};
-  if (const std::string missing = find(object, sockets); !missing.empty()) {
+// a seat under these parameters; what sat before goes on
+void Eyes::sit(Pair& pair, const Parameters& p, const kit::Tick& now) {
+  const bool changed = !(pair.parameters == p);
+  pair.parameters = p;
+  const int64_t step = first_step(now);
+  if (pair.seat.taken() && !about(pair.seat.step(), step)) pair.seat.leave();
+  if (!pair.seat.taken()) {
+    if (!recall(pair, step)) rest(pair, now);
+  } else if (changed) {
+    const auto state = pair.seat.save();
+    const Aim aim = pair.seat.aim();
+    pair.seat = crowd_.seat(p, pair.seat.step(), &pair);
+    if (!pair.seat.restore(state, seed_of(p))) pair.seat.rest(aim, seed_of(p));
+  }
+}
+
+// everything that is known before the eyes move; false, and said why, if they cannot
+bool Eyes::prepare(const Object& object, Pair& pair, const kit::Tick& now) {
+  pair.object = &object;
+  if (const std::string missing = find(object, pair.sockets); !missing.empty()) {
     me_.set_word(object, "status", "no_eyes");
     me_.set(object, "reason", missing);
-    return;
+    return false;
   }
-  const auto p = parameters(object, sockets.distance);
-  if (const auto wrong = fault(*p)) {
-    me_.set_word(object, "status", "bad_parameter");
-    me_.set(object, "reason", *wrong);
-    return;
+  const Parameters p = parameters(object, pair.sockets.distance);
+  if (!pair.seat.taken() || !(p == pair.parameters)) {
+    if (const auto wrong = fault(p)) {
+      me_.set_word(object, "status", "bad_parameter");
+      me_.set(object, "reason", *wrong);
+      return false;
+    }
   }
+  const auto X_WH = me_.world().scene().world(*pair.sockets.head);
+  pair.head = {vector_of(X_WH.p) + rotation_of(X_WH) * pair.sockets.middle, quaternion_of(X_WH)};
+  sit(pair, p, now);
 
-  const auto X_WH = me_.world().scene().world(*sockets.head);
-  const HeadPose head{vector_of(X_WH.p) + rotation_of(X_WH) * sockets.middle, quaternion_of(X_WH)};
-  if (!pair.gaze && !recall(object, pair, p)) rest(pair, sockets, p, now);
-  // changed parameters: the same state goes on under them, if it fits
-  if (!(pair.gaze->parameters() == *p)) {
-    auto changed = std::make_unique<Gaze>(p);
-    if (!changed->restore(pair.gaze->save())) changed->rest(pair.gaze->aim(), pair.gaze->step());
-    pair.gaze = std::move(changed);
-  }
-  const double begin = now.time - now.step;
-  if (std::abs(begin - static_cast<double>(pair.gaze->step()) * p->step) > 2 * p->step) rest(pair, sockets, p, now);
-
-  const Wish wanted = wish(object);
-  if (pair.world.empty()) pair.world.add(begin, head, nullptr, false);
-  const bool switched = wanted.any != pair.seeing || wanted.target != pair.target;
-  pair.world.add(now.time, head, wanted.any ? &wanted.place : nullptr, switched);
-  pair.seeing = wanted.any;
-  pair.target = wanted.target;
-
-  const auto end = static_cast<int64_t>(std::floor(now.time / p->step + 1e-6));
-  while (pair.gaze->step() < end) pair.gaze->advance(stimulus(pair.world, *pair.gaze));
-  pair.world.forget(p->visual_delay + p->visual_lag + p->vor_latency + 0.1);
-  show(object, pair, sockets, wanted, head);
+  pair.wish = wish(object);
+  if (pair.world.empty()) pair.world.add(now.time - now.step, pair.head, nullptr, false);
+  const bool switched = pair.wish.any != pair.seeing || pair.wish.target != pair.target;
+  pair.world.add(now.time, pair.head, pair.wish.any ? &pair.wish.place : nullptr, switched);
+  pair.seeing = pair.wish.any;
+  pair.target = pair.wish.target;
+  return true;
 }
 
 // -- what it tells
 
-void Eyes::show(const Object& object, const Pair& pair, const Sockets& sockets, const Wish& wish,
-                const HeadPose& head) {
-  const Gaze& gaze = *pair.gaze;
-  const double range = gaze.parameters().range;
-  Aim aim = gaze.aim();
+void Eyes::show(const Pair& pair) {
+  const Object& object = *pair.object;
+  const Sockets& sockets = pair.sockets;
+  const Wish& wish = pair.wish;
+  const HeadPose& head = pair.head;
+  const Crowd::Seat& gaze = pair.seat;
+  const double range = pair.parameters.range;
+  const Aim target = wish.any ? aim_at(sight_of_point(wish.place, head), sockets.distance, range) : Aim{};
   // geometry alone is asked for at the very time of the tick
-  if (gaze.parameters().method == Method::snap && wish.any) {
-    aim = aim_at(sight_of_point(wish.place, head), sockets.distance, range);
-  }
-  const Gaze::Eyes eyes = gaze.eyes(aim);
+  const Aim aim = pair.parameters.method == Method::snap && wish.any ? target : gaze.aim();
+  const EyePair eyes = eyes_of(aim, pair.parameters);
   auto& scene = me_.world().scene();
   double error = 0;
   const struct {
@@ -302,11 +371,15 @@ void Eyes::show(const Object& object, const Pair& pair, const Sockets& sockets, 
     error = std::max(error, std::atan2(line.cross(to).norm(), line.dot(to)));
   }
 
-  const bool beyond = wish.any && aim_at(sight_of_point(wish.place, head), sockets.distance, range).beyond;
+  const bool beyond = target.beyond;
   me_.set_word(object, "status", !wish.any ? "no_target" : beyond ? "out_of_range" : "ok");
   me_.set(object, "reason",
           !beyond ? std::string()
                   : "the target lies more than " + objdb::number(std::round(range / deg)) + " deg from straight ahead");
+  const Method method = pair.parameters.method;
+  me_.set_word(object, "method_used", word(method));
+  me_.set(object, "predicted_error", row_of(method).error);
+  me_.set(object, "predicted_time", tick_cost(method, steps_));
   me_.set_word(object, "mode", word(gaze.mode()));
   me_.set(object, "gaze_error", error);
   me_.set(object, "vergence", aim.vergence);
@@ -321,8 +394,8 @@ void Eyes::show(const Object& object, const Pair& pair, const Sockets& sockets, 
 void Eyes::remember() {
   for (const auto& [id, pair] : pairs_) {
     const Object* object = me_.world().object(id);
-    if (object == nullptr || !pair.gaze) continue;
-    for (auto& [name, numbers] : pair.gaze->save()) me_.set(*object, "memory_" + name, numbers);
+    if (object == nullptr || !pair.seat.taken()) continue;
+    for (auto& [name, numbers] : pair.seat.save()) me_.set(*object, "memory_" + name, numbers);
     std::vector<double> heads = pair.world.save_heads();
     heads.push_back(pair.seeing);
     me_.set(*object, "memory_heads", heads);
@@ -332,20 +405,23 @@ void Eyes::remember() {
   }
 }
 
-bool Eyes::recall(const Object& object, Pair& pair, std::shared_ptr<const Parameters> p) {
-  Gaze::State state;
-  for (std::string_view row : rows) {
-    state[std::string(row)] = me_.get<std::vector<double>>(object, "memory_" + std::string(row));
-  }
+// where a checkpoint left off, if it is of this time
+bool Eyes::recall(Pair& pair, int64_t step) {
+  const Object& object = *pair.object;
   auto heads = me_.get<std::vector<double>>(object, "memory_heads");
   if (heads.empty()) return false;
   const bool seeing = heads.back() != 0;
   heads.pop_back();
-  auto gaze = std::make_unique<Gaze>(std::move(p));
+  Crowd::Table::State state;
+  for (std::string_view row : rows) {
+    state[std::string(row)] = me_.get<std::vector<double>>(object, "memory_" + std::string(row));
+  }
+  if (!about(Crowd::Table::step_of(state), step)) return false;
   TickWorld world;
-  if (!gaze->restore(state) || !world.restore(heads, me_.get<std::vector<double>>(object, "memory_targets")))
-    return false;
-  pair.gaze = std::move(gaze);
+  if (!world.restore(heads, me_.get<std::vector<double>>(object, "memory_targets"))) return false;
+  Crowd::Seat seat = crowd_.seat(pair.parameters, Crowd::Table::step_of(state), &pair);
+  if (!seat.restore(state, seed_of(pair.parameters))) return false;
+  pair.seat = std::move(seat);
   pair.world = std::move(world);
   pair.seeing = seeing;
   pair.target = static_cast<ObjectId>(me_.get<std::int64_t>(object, "memory_target"));

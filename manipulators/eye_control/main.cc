@@ -56,6 +56,7 @@ objdb::Status set(eye::Parameters& parameters, const std::string& setting) {
 }
 
 int simulate(const Options& options) {
+  constexpr std::string_view columns[] = {"t_s", "azimuth_deg", "elevation_deg"};
   eye::Parameters parameters;
   std::vector<std::string> settings = options.settings;
   if (!options.step.empty()) settings.push_back("step=" + options.step);
@@ -68,13 +69,13 @@ int simulate(const Options& options) {
   if (const auto fault = eye::fault(parameters)) return complain(bad_usage, "eye_control: error range " + *fault);
 
   eye::FollowingWorld world(parameters.eye_distance, parameters.step);
-  const auto target = eye::read_table_file(options.target);
+  const auto target = eye::read_table_file(options.target, columns);
   if (!target) return complain(bad_data, target.error().sentence);
   if (auto status = fill_target(world.target_track(), *target, options.target); !status) {
     return complain(bad_data, status.error().sentence);
   }
   if (!options.head.empty()) {
-    const auto head = eye::read_table_file(options.head);
+    const auto head = eye::read_table_file(options.head, columns);
     if (!head) return complain(bad_data, head.error().sentence);
     if (auto status = fill_head(world.head_track(), *head, options.head); !status) {
       return complain(bad_data, status.error().sentence);

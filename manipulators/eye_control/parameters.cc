@@ -153,8 +153,9 @@ std::optional<std::string> fault(const Parameters& parameters) {
     const double value = parameters.*p.value;
     if (value >= p.low && value <= p.high) continue;
     std::ostringstream sentence;
-    sentence << p.name << " must be between " << p.low << " and " << p.high << (p.unit.empty() ? "" : " ") << p.unit
-             << ", not " << value;
+    sentence << p.name << " must be between " << p.low << " and " << p.high;
+    if (!p.unit.empty() && !p.is_switch()) sentence << " " << p.unit;
+    sentence << ", not " << value;
     return sentence.str();
   }
   if (parameters.smooth_from > parameters.smooth_to) return "smooth_from must not exceed smooth_to";

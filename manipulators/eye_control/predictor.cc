@@ -25,13 +25,6 @@ Predictor::Predictor(const Parameters& p)
   for (int i = 0; i < 3; ++i) P_[4 * i] = first_variance;
 }
 
-void Predictor::see(double velocity, bool visible) {
-  sum_ += velocity;
-  count_ += 1;
-  seen_ += visible;
-  if (count_ >= steps_) close_box();
-}
-
 void Predictor::close_box() {
   // a box hidden for more than half of its time is continued by the model itself
   const bool visible = 2 * seen_ > count_;

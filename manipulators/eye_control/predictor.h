@@ -22,8 +22,15 @@ class Predictor {
   explicit Predictor(const Parameters& p);
 
   /// One internal step of seen velocity, rad/s (its mean over the step). `visible` false: the box is filled with the
-  /// forecast itself, nothing is learned, trust fades.
-  void see(double velocity, bool visible);
+  /// forecast itself, nothing is learned, trust fades. True when the step completed a box.
+  bool see(double velocity, bool visible) {
+    sum_ += velocity;
+    count_ += 1;
+    seen_ += visible;
+    if (count_ < steps_) return false;
+    close_box();
+    return true;
+  }
 
   /// Trust in the forecast, 0 to 1.
   double trust() const { return trust_; }

@@ -15,7 +15,7 @@ constexpr double pause = 1.0;           // between blinks at least, s
 
 }  // namespace
 
-Restless::Restless(const Parameters& p) : p_(&p), h_(p.step), seed_(static_cast<uint64_t>(p.seed)) {}
+Restless::Restless(const Parameters& p, uint64_t seed) : p_(&p), h_(p.step), seed_(seed) {}
 
 Vec2 Restless::drift(int64_t n) {
   if (p_->drift_speed == 0) return {};

@@ -10,7 +10,8 @@ namespace eye {
 /// microsaccades, blinks.
 class Restless {
  public:
-  explicit Restless(const Parameters& p);
+  /// `seed` of this pair of eyes: `Parameters::seed` is not looked at.
+  Restless(const Parameters& p, uint64_t seed);
 
   /// Drift over the step n, rad: a velocity with memory `drift_time` and root mean square `drift_speed` per component.
   Vec2 drift(int64_t n);
@@ -22,6 +23,8 @@ class Restless {
   /// Lid closure at the end of step n, 0 open to `blink_depth`.
   double lid(int64_t n);
   bool blinking() const { return blink_from_ >= 0; }
+  /// `lid` has anything to do.
+  bool blinks() const { return p_->blink_rate > 0 || blinking(); }
 
   template <class Visit>
   void each(Visit&& visit) {

@@ -12,46 +12,64 @@ using objdb::Status;
 
 namespace {
 
-// the columns every course of angles needs; -1 for a missing one
-struct Columns {
-  int time, azimuth, elevation, distance;
-};
+constexpr double longest = 86400;        // of a course, s
+constexpr double most_turns = 36000;     // of azimuth, deg
+constexpr double least_distance = 1e-3;  // m
 
-objdb::Result<Columns> columns_of(const Table& table, const std::string& name) {
-  const Columns c{table.column("t_s"), table.column("azimuth_deg"), table.column("elevation_deg"),
-                  table.column("distance_m")};
-  for (const auto& [index, wanted] :
-       {std::pair{c.time, "t_s"}, std::pair{c.azimuth, "azimuth_deg"}, std::pair{c.elevation, "elevation_deg"}}) {
-    if (index < 0) {
-      return cell_error(name, 1, 1, ErrorKind::unknown,
-                        "column " + std::string(wanted) + " is missing, expected t_s,azimuth_deg,elevation_deg");
+// reads the rows of a course: each cell by the name of its column, errors with its place
+class Course {
+ public:
+  Course(const Table& table, const std::string& name) : table_(table), name_(name) {}
+
+  size_t rows() const { return table_.rows.size(); }
+  bool has(std::string_view column) const { return table_.column(column) >= 0; }
+  double at(size_t row, std::string_view column) const {
+    return table_.rows[row][static_cast<size_t>(table_.column(column))];
+  }
+
+  objdb::Error error(size_t row, std::string_view column, ErrorKind kind, const std::string& sentence) const {
+    return cell_error(name_, table_.lines[row], table_.places[row][static_cast<size_t>(table_.column(column))], kind,
+                      std::string(column) + " " + sentence);
+  }
+
+  // the value of a cell that must lie between two bounds
+  Status between(size_t row, std::string_view column, double low, double high) const {
+    const double value = at(row, column);
+    if (value >= low && value <= high) return {};
+    if (std::isnan(value)) return error(row, column, ErrorKind::type, "is empty, expected a number");
+    return error(
+        row, column, ErrorKind::range,
+        "must be between " + objdb::number(low) + " and " + objdb::number(high) + ", not " + objdb::number(value));
+  }
+
+  // that there are rows, and that time goes on, and not for ever
+  Status times() const {
+    if (rows() == 0) return cell_error(name_, 1, 1, ErrorKind::syntax, "the table has a header but no rows");
+    for (size_t k = 0; k < rows(); ++k) {
+      if (Status status = between(k, "t_s", -1e6, 1e6); !status) return status;
+      const double time = at(k, "t_s");
+      if (k > 0 && time < at(k - 1, "t_s")) {
+        return error(k, "t_s", ErrorKind::range,
+                     "must not fall, but " + objdb::number(time) + " follows " + objdb::number(at(k - 1, "t_s")));
+      }
+      if (time - at(0, "t_s") > longest) {
+        return error(k, "t_s", ErrorKind::range,
+                     "is " + objdb::number(time - at(0, "t_s")) + " s after the first row, expected at most " +
+                         objdb::number(longest));
+      }
     }
+    return {};
   }
-  if (table.rows.empty()) return cell_error(name, 1, 1, ErrorKind::syntax, "the table has a header but no rows");
-  return c;
-}
 
-Status check_time(const Table& table, size_t row, int column, const std::string& name) {
-  const double time = table.rows[row][static_cast<size_t>(column)];
-  if (std::isnan(time))
-    return cell_error(name, table.lines[row], 1, ErrorKind::type, "t_s is empty, expected a number");
-  if (std::abs(time) > 1e6) {
-    return cell_error(name, table.lines[row], 1, ErrorKind::range,
-                      "t_s must be within 1000000 s, not " + objdb::number(time));
+  Status angles(size_t row) const {
+    if (Status status = between(row, "azimuth_deg", -most_turns, most_turns); !status) return status;
+    return between(row, "elevation_deg", -90, 90);
   }
-  if (row > 0 && time < table.rows[row - 1][static_cast<size_t>(column)]) {
-    return cell_error(name, table.lines[row], 1, ErrorKind::range,
-                      "t_s must not fall, but " + objdb::number(time) + " follows " +
-                          objdb::number(table.rows[row - 1][static_cast<size_t>(column)]));
-  }
-  return {};
-}
 
-Status check_elevation(double elevation, int line, const std::string& name) {
-  if (std::abs(elevation) <= 90) return {};
-  return cell_error(name, line, 1, ErrorKind::range,
-                    "elevation_deg must be between -90 and 90, not " + objdb::number(elevation));
-}
+ private:
+  const Table& table_;
+  const std::string& name_;
+};
 
 // angle between two directions, with the sign of the larger component of the change
 double signed_angle(const Eigen::Vector3d& from, const Eigen::Vector3d& to, Vec2 change) {
@@ -63,44 +81,33 @@ double signed_angle(const Eigen::Vector3d& from, const Eigen::Vector3d& to, Vec2
 }  // namespace
 
 Status fill_target(Track& track, const Table& table, const std::string& name) {
-  const auto c = columns_of(table, name);
-  if (!c) return c.error();
-  for (size_t k = 0; k < table.rows.size(); ++k) {
-    if (Status status = check_time(table, k, c->time, name); !status) return status;
-    const auto& row = table.rows[k];
-    const auto cell = [&](int column) { return row[static_cast<size_t>(column)]; };
-    const double azimuth = cell(c->azimuth), elevation = cell(c->elevation);
+  const Course course(table, name);
+  if (Status status = course.times(); !status) return status;
+  const bool near = course.has("distance_m");
+  for (size_t k = 0; k < course.rows(); ++k) {
+    const double time = course.at(k, "t_s");
+    const double azimuth = course.at(k, "azimuth_deg"), elevation = course.at(k, "elevation_deg");
     if (std::isnan(azimuth) || std::isnan(elevation)) {
-      track.add(cell(c->time), Eigen::Vector3d::Zero(), false);
+      track.add(time, Eigen::Vector3d::Zero(), false);
       continue;
     }
-    if (Status status = check_elevation(elevation, table.lines[k], name); !status) return status;
+    if (Status status = course.angles(k); !status) return status;
     double nearness = 0;
-    if (c->distance >= 0 && !std::isnan(cell(c->distance))) {
-      const double distance = cell(c->distance);
-      if (!(distance > 0)) {
-        return cell_error(name, table.lines[k], 1, ErrorKind::range,
-                          "distance_m must be positive, not " + objdb::number(distance));
-      }
-      nearness = 1 / distance;
+    if (near && !std::isnan(course.at(k, "distance_m"))) {
+      if (Status status = course.between(k, "distance_m", least_distance, 1e300); !status) return status;
+      nearness = 1 / course.at(k, "distance_m");
     }
-    track.add(cell(c->time), {azimuth * deg, elevation * deg, nearness});
+    track.add(time, {azimuth * deg, elevation * deg, nearness});
   }
   return {};
 }
 
 Status fill_head(Track& track, const Table& table, const std::string& name) {
-  const auto c = columns_of(table, name);
-  if (!c) return c.error();
-  for (size_t k = 0; k < table.rows.size(); ++k) {
-    if (Status status = check_time(table, k, c->time, name); !status) return status;
-    const auto& row = table.rows[k];
-    const double azimuth = row[static_cast<size_t>(c->azimuth)], elevation = row[static_cast<size_t>(c->elevation)];
-    if (std::isnan(azimuth) || std::isnan(elevation)) {
-      return cell_error(name, table.lines[k], 1, ErrorKind::type, "a head angle is empty, expected a number");
-    }
-    if (Status status = check_elevation(elevation, table.lines[k], name); !status) return status;
-    track.add(row[static_cast<size_t>(c->time)], {azimuth * deg, elevation * deg, 0});
+  const Course course(table, name);
+  if (Status status = course.times(); !status) return status;
+  for (size_t k = 0; k < course.rows(); ++k) {
+    if (Status status = course.angles(k); !status) return status;
+    track.add(course.at(k, "t_s"), {course.at(k, "azimuth_deg") * deg, course.at(k, "elevation_deg") * deg, 0});
   }
   return {};
 }
@@ -133,7 +140,7 @@ void simulate(FollowingWorld& world, std::shared_ptr<const Parameters> parameter
     // thousandths are written as such: 0.3, not 0.30000000000000004
     row.time = whole_rate ? static_cast<double>(n) / std::round(1 / step) : static_cast<double>(n) * step;
     const HeadPose head = world.head(row.time);
-    const Gaze::Eyes eyes = gaze.eyes();
+    const EyePair eyes = gaze.eyes();
     const Eigen::Quaterniond to_frame = frame == Frame::world ? head.orientation : Eigen::Quaterniond::Identity();
     const Eigen::Vector3d left = to_frame * eyes.left_direction, right = to_frame * eyes.right_direction;
     const Vec2 left_angles = fick_angles(left), right_angles = fick_angles(right);

@@ -6,19 +6,31 @@ namespace eye {
 
 using Eigen::Vector3d;
 
-Stimulus stimulus(const World& world, const Gaze& gaze) {
-  const Parameters& p = gaze.parameters();
+Aim Sighting::aim(const Sight& sight, double eye_distance, double range) {
+  for (const Entry& entry : last_) {
+    if (entry.sight.direction == sight.direction && entry.sight.nearness == sight.nearness &&
+        entry.eye_distance == eye_distance && entry.range == range) {
+      return entry.aim;
+    }
+  }
+  Entry& entry = last_[oldest_];
+  oldest_ = 1 - oldest_;
+  entry = {sight, eye_distance, range, aim_at(sight, eye_distance, range)};
+  return entry.aim;
+}
+
+Stimulus stimulus(const World& world, const Parameters& p, double eye_distance, int64_t n, const Aim& present,
+                  Sighting& sighting) {
   const auto time = [&](int64_t step) { return static_cast<double>(step) * p.step; };
   const auto aim = [&](double when, Track::Side side, const HeadPose& head, bool& visible) {
     Sight sight;
     visible = world.target(when, side, head, sight);
-    return visible ? aim_at(sight, p.eye_distance, p.range) : Aim{};
+    return visible ? sighting.aim(sight, eye_distance, p.range) : Aim{};
   };
-  const int64_t n = gaze.step();
   Stimulus s;
 
   const HeadPose head = world.head(time(n)), head_next = world.head(time(n + 1));
-  s.head_turn = head_turn(gaze.aim(), head, head_next, p.eye_distance);
+  s.head_turn = head_turn(present, head, head_next, eye_distance);
   if (p.method == Method::snap) {
     s.present = aim(time(n + 1), Track::Side::right, head_next, s.present_visible);
     return s;
@@ -37,7 +49,7 @@ Stimulus stimulus(const World& world, const Gaze& gaze) {
   // the memory: the same target, seen from where the canals say that the head is now
   const HeadPose felt = world.head(time(n) - p.vor_latency);
   s.goal = aim(time(past), Track::Side::right, felt, goal_visible);
-  if (!goal_visible) s.goal = {gaze.aim().version, gaze.aim().vergence, false};
+  if (!goal_visible) s.goal = {present.version, present.vergence, false};
   return s;
 }
 

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <array>
+
 #include "manipulators/eye_control/aim.h"
 #include "manipulators/eye_control/gaze.h"
 #include "manipulators/eye_control/track.h"
@@ -18,9 +20,32 @@ class World {
   virtual bool target(double t, Track::Side side, const HeadPose& head, Sight& sight) const = 0;
 };
 
-/// What the eyes meet in their next internal step: the target as it was one visual delay ago, the memory of it turned
-/// with the head, and the head's turn.
-Stimulus stimulus(const World& world, const Gaze& gaze);
+/// Turns what is seen into aims of one pair of eyes, remembering the last few: a target at rest, or the end of one step
+/// that is the beginning of the next, costs no trigonometry. The answers do not depend on what is remembered.
+class Sighting {
+ public:
+  Aim aim(const Sight& sight, double eye_distance, double range);
+
+ private:
+  struct Entry {
+    Sight sight;
+    double eye_distance = -1, range = 0;
+    Aim aim;
+  };
+  std::array<Entry, 2> last_;
+  size_t oldest_ = 0;
+};
+
+/// What a pair of eyes meets in its next internal step, from `step` on: the target as it was one visual delay ago, the
+/// memory of it turned with the head, and the head's turn. `present`: where the eyes point.
+Stimulus stimulus(const World& world, const Parameters& p, double eye_distance, int64_t step, const Aim& present,
+                  Sighting& sighting);
+
+/// The same of one pair alone.
+inline Stimulus stimulus(const World& world, const Gaze& gaze) {
+  Sighting sighting;
+  return stimulus(world, gaze.parameters(), gaze.parameters().eye_distance, gaze.step(), gaze.aim(), sighting);
+}
 
 /// The eye turn (version) that keeps the present line of sight on its point in the world while the head goes from one
 /// pose to the other, rad. The point lies where the eyes converge, so a moving head near it is compensated too.

@@ -27,6 +27,8 @@ Parameters lively() {
   Parameters p;
   p.later_sigma = 1;
   p.drift_speed = 0.2 * deg;
+  p.microsaccade_rate = 1.5;
+  p.slip_noise = 0.1 * deg;
   p.blink_rate = 0.5;
   return p;
 }
@@ -63,7 +65,9 @@ std::vector<uint64_t> called_at(double rate) {
 TEST(Determinism, TheFrameRateChangesNoBit) {
   const auto reference = called_at(1000);
   for (double rate : {30.0, 60.0, 90.0, 144.0}) EXPECT_EQ(called_at(rate), reference) << rate;
-  report("N2", "internal states at 30, 60, 90, 144 Hz and 1 kHz: the same bits");
+  report("N2",
+         "internal states at 30, 60, 90, 144 Hz and 1 kHz, head turning, target near and far, all options on: the same "
+         "bits");
 }
 
 TEST(State, ComesBackFromItsNumbers) {
@@ -145,44 +149,11 @@ TEST(Range, IsNeverLeft) {
   const auto p = std::make_shared<Parameters>();
   simulate(world, p, Frame::head, [&](const TraceRow&, const Gaze& gaze) {
     EXPECT_LE(eccentricity(gaze.aim().version), 50 * deg + 1e-9);
-    const Gaze::Eyes eyes = gaze.eyes();
+    const EyePair eyes = gaze.eyes();
     EXPECT_GE(eyes.left_direction.z(), std::cos(55 * deg) - 1e-9);
     EXPECT_GE(eyes.right_direction.z(), std::cos(55 * deg) - 1e-9);
     EXPECT_NEAR(eyes.left.norm(), 1, 1e-12);
   });
-}
-
-TEST(Patients, ALeakyIntegratorBeatsBackToTheTarget) {
-  // gaze-evoked nystagmus: drift home with the leak's time constant, corrective saccades out again
-  Parameters p;
-  p.integrator_time = 2;
-  p.optokinetic_gain = 0;
-  p.pursuit_on = 0.9;  // the drift is not pursued
-  p.pursuit_off = 0.1;
-  const Course r = follow({{0, 0}, {0.1, 0}, {0.101, 20}, {6, 20}}, p);
-  EXPECT_GT(r.saccades.back(), 8);
-  // drift speed between saccades: position over time constant, 10 deg/s
-  size_t k = r.index(4);
-  while (r.mode[k] == Mode::saccade || r.mode[k + 20] == Mode::saccade) ++k;
-  EXPECT_NEAR((r.position[k + 10] - r.position[k]) / 0.01, -r.position[k] / 2, 0.2);
-}
-
-TEST(Patients, AnUndampedLocalLoopOscillates) {
-  // K tm = pi / 2 is marginal: beyond it pursuit swings for ever, below it settles (infantile nystagmus)
-  const auto swing = [](double product) {
-    Parameters p;
-    p.local_gain = product / p.local_delay;
-    p.dead_zone = 0.5;
-    const Course r = follow({{-0.2, 0}, {0, 0}, {4, 40}}, p);
-    double low = 1e9, high = -1e9;
-    for (size_t k = r.index(3.4); k < r.t.size(); ++k) {
-      low = std::min(low, r.velocity[k]);
-      high = std::max(high, r.velocity[k]);
-    }
-    return high - low;
-  };
-  EXPECT_LT(swing(0.75), 0.01);
-  EXPECT_GT(swing(1.7), 1);
 }
 
 TEST(Faults, AreFoundBeforeTheyDoHarm) {

@@ -54,7 +54,7 @@ TEST(Solvers, EachHasItsOrder) {
 }
 
 TEST(Solvers, TheEyesAreTheFohScheme) {
-  // the same ramp through the whole model: Pursuit against the reference at its own 1 ms
+  // the same ramp through the whole model: the pursuit of it against the reference at its own 1 ms
   Parameters p;
   p.dead_zone = 0.5;
   const Course r = follow(ramp(10, 1.5), p);

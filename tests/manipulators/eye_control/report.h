@@ -9,7 +9,7 @@ namespace eye::test {
 __attribute__((format(printf, 2, 3))) inline void report(const char* row, const char* format, ...) {
   va_list arguments;
   va_start(arguments, format);
-  std::printf("  %-4s", row);
+  std::printf("  %-4s ", row);
   std::vprintf(format, arguments);
   std::printf("\n");
   va_end(arguments);

@@ -395,7 +395,8 @@ void Neck::approach(const Matrix3d& M, Solution* solution) const {
     while (part > 1e-6 && shortfall(next, M) > here.value + 4e-16 * scale) next = moved(part /= 2);
     const double change = (next - total).norm();
     if (part > 1e-6) total = next;
-    if (part <= 1e-6 || change < 1e-15) break;
+    // the convergence is quadratic: what a whole step of this size leaves is rounding
+    if (part <= 1e-6 || change < (part == 1 && shift == 0 ? 1e-7 : 1e-15)) break;
   }
   solution->total = total;
   solution->limit = static_cast<Limit>((at_tilt ? 1 : 0) + (at_turn ? 2 : 0));

@@ -1,4 +1,5 @@
-# Charts of the eyes. Called with: data = folder of `eye_control --chart`, out = folder of the pictures.
+# Charts of the eyes. Called with: data = folder of `eye_control --chart`, out = folder of the pictures; people = folder of
+# recordings and scene = trace of scripts/scenes/follow.dlg, each drawn when it is there.
 set datafile separator ","
 set grid lc rgb "#dddddd" lt 1
 set border lc rgb "#555555"
@@ -22,6 +23,19 @@ $saccade_people << EOD
 EOD
 
 file(name) = data . "/" . name . ".csv"
+there(path) = int(system("test -r '" . path . "' && echo 1 || echo 0"))
+if (!exists("people")) people = "none"
+if (!exists("scene")) scene = "none"
+pursuit_people = people . "/human_pursuit_spm.csv.gz"
+saccades_people = people . "/human_saccades_mcsorley.csv"
+sequence_people = people . "/human_main_sequence_lund.csv"
+
+# directions of a frame that is turned by a quaternion, deg: its z axis to the person's right and up
+degrees(x) = x * 180 / pi
+right_of(w, x, y, z) = degrees(atan2(-2 * (x * z + w * y), 1 - 2 * (x * x + y * y)))
+# a point of the head (the left eye) in the world
+turned_x(w, x, y, z, a, b, c) = (1 - 2 * (y * y + z * z)) * a + 2 * (x * y - w * z) * b + 2 * (x * z + w * y) * c
+turned_z(w, x, y, z, a, b, c) = 2 * (x * z - w * y) * a + 2 * (y * z + w * x) * b + (1 - 2 * (x * x + y * y)) * c
 
 do for [kind in "svg png"] {
   if (kind eq "svg") { set terminal svg size 1200,450 font "sans,12" background "white" } \
@@ -156,5 +170,77 @@ do for [kind in "svg png"] {
        "" using 1:5 with lines ls 7 title "plain delayed feedback, 5 /s"
   unset multiplot
   set autoscale
+
+  # beside recordings of people
+  if (there(pursuit_people) && there(saccades_people) && there(sequence_people)) {
+    set output sprintf("%s/eye_people.%s", out, kind)
+    set multiplot layout 1,4 title "The model beside recordings"
+    do for [c in "FS SS"] {
+      set title c eq "FS" ? "a sine of 22 deg/s, hidden twice from the people" : "a sine of 18 deg/s, likewise"
+      set xlabel "time, s"
+      set ylabel "gaze minus target, deg"
+      set yrange [-2:2]
+      set key bottom left
+      plot "< zcat " . pursuit_people using (strcol(1) eq c && int($2) % 10 == 0 ? $2 / 1000 : NaN):($6 - $5) with lines ls 2 title "people, mean", \
+           file("recorded_pursuit") using (strcol(1) eq c ? $2 : NaN):($4 - $3) with lines ls 1 title "model, never hidden"
+    }
+    set title "latency of saccades"
+    set xlabel "latency, ms"
+    set ylabel "share"
+    set xrange [80:400]
+    set yrange [0:1]
+    set key bottom right
+    stats saccades_people using (strcol(2) ne "" && $2 > 75 && $2 < 600 && $8 > 3 ? $2 : NaN) nooutput
+    plot saccades_people using (strcol(2) ne "" && $2 > 75 && $2 < 600 && $8 > 3 ? $2 : NaN):(1.0) smooth cnormal with steps ls 2 title "people, distractors", \
+         file("latencies") using 2:1 with lines ls 1 title "model, later sigma 1"
+    set autoscale
+    set title "main sequence"
+    set xlabel "amplitude, deg"
+    set ylabel "peak velocity, deg/s"
+    set xrange [0:30]
+    set yrange [0:800]
+    plot sequence_people using 1:3 with points pt 7 ps 0.2 lc rgb "#d1495b" title "people, Lund", \
+         saccades_people using 8:9 with points pt 7 ps 0.2 lc rgb "#edae49" title "people, McSorley", \
+         file("main_sequence") using 1:3 with lines ls 1 title "model"
+    unset multiplot
+    set autoscale
+  }
+
+  # the scene in which the sailor follows a ball
+  if (there(scene)) {
+    set output sprintf("%s/eye_scene.%s", out, kind)
+    set multiplot layout 2,1 title "The sailor follows a ball (scripts/scenes/follow.dlg)"
+    unset title
+    set xrange [0:14.5]
+    set xtics 1
+    set ylabel "to the right, deg"
+    set key top right horizontal
+    a = 0.028873471; b = 0.030147129; c = 0.085137362
+    plot scene using 1:(degrees(atan2(-($2 - $5 - turned_x($8, $9, $10, $11, a, b, c)), $4 - $7 - turned_z($8, $9, $10, $11, a, b, c)))) with lines ls 6 title "ball, seen from the left eye", \
+         scene using 1:(right_of($12, $13, $14, $15)) with lines ls 1 title "gaze of that eye", \
+         scene using 1:(right_of($8, $9, $10, $11)) with lines ls 2 title "head"
+    set xlabel "time, s"
+    set ylabel "deg"
+    set yrange [0:12]
+    plot scene using 1:(degrees($16)) with lines ls 4 title "gaze error", \
+         scene using 1:(degrees($17)) with lines ls 3 title "vergence", \
+         scene using 1:(10 * $18) with lines ls 7 title "trust in the forecast, tenths"
+    unset multiplot
+    set autoscale
+    set xtics auto
+  }
+
+  # what the methods cost and are worth
+  set output sprintf("%s/eye_methods.%s", out, kind)
+  set title "Methods: angle to the gaze of the whole model against cost"
+  set xlabel "processor time of one figure and millisecond, ns (what is seen included)"
+  set ylabel "root mean square, deg"
+  set xrange [0:450]
+  set yrange [-0.5:7]
+  set key off
+  plot file("methods") using 3:2 with linespoints ls 1, "" using 3:2:1 with labels offset 0,1.2
+  set key on
+  set autoscale
+  unset title
   unset output
 }

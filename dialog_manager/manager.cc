@@ -130,14 +130,16 @@ std::string Manager::source_name(std::uint16_t id) const { return id < source_na
 
 int Manager::run() {
   if (!open_journals()) return 1;
+  bool busy = false;
   while (!quitting_) {
     const bool did = step();
     if (all_read()) break;
     flush();
-    if (did)
-      loop_.poll();
-    else
-      loop_.wait(next_deadline());
+    // who has more to say than one turn takes lets others be heard; an answer is often followed by a rest at once
+    if (!did) loop_.wait(next_deadline());
+    // what was typed comes through a pipe, before the prompt is shown again
+    if (did ? busy : prompt_ && !prompt_->visible()) loop_.poll();
+    busy = did;
   }
   prompt_.reset();
   end_programs();

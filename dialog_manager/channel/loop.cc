@@ -2,164 +2,146 @@
 
 #include <fcntl.h>
 #include <poll.h>
-#include <sys/epoll.h>
+#include <sys/signalfd.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
+#include <csignal>
 
-#include "dialog_manager/channel/loop_impl.h"
+#include "dialog_manager/channel/watch.h"
 
 namespace channel {
 
-namespace asio = boost::asio;
 Loop::Loop() : impl_(std::make_unique<Impl>()) {}
 Loop::~Loop() = default;
 
 void Loop::wait(std::optional<Clock::time_point> deadline) {
-  asio::io_context& context = impl_->context;
-  context.restart();
-  if (!deadline)
-    context.run_one();
-  else if (*deadline > Clock::now())
-    context.run_one_until(*deadline);
-  context.poll();
+  if (!deadline) {
+    impl_->wait(nullptr);
+    return;
+  }
+  const auto now = Clock::now();
+  const auto rest = *deadline > now ? *deadline - now : Clock::duration::zero();
+  const auto seconds = std::chrono::duration_cast<std::chrono::seconds>(rest);
+  const timespec limit{seconds.count(), std::chrono::nanoseconds(rest - seconds).count()};
+  impl_->wait(&limit);
 }
 
 void Loop::poll() {
-  impl_->context.restart();
-  impl_->context.poll();
+  const timespec at_once{0, 0};
+  impl_->wait(&at_once);
 }
 
 void Loop::on_signal(std::initializer_list<int> signals, std::function<void(int)> handler) {
-  for (const int signal : signals) impl_->signals.add(signal);
-  auto again = std::make_shared<std::function<void()>>();
-  *again = [this, handler = std::move(handler), weak = std::weak_ptr(again)] {
-    impl_->signals.async_wait([handler, keep = weak.lock()](const boost::system::error_code& error, int signal) {
-      if (error) return;
-      handler(signal);
-      (*keep)();
-    });
-  };
-  (*again)();
+  sigset_t set;
+  ::sigemptyset(&set);
+  for (const int signal : signals) {
+    // an ignored signal, as a shell starts background jobs with, would never arrive
+    ::signal(signal, SIG_DFL);
+    ::sigaddset(&set, signal);
+  }
+  ::sigprocmask(SIG_BLOCK, &set, nullptr);
+  impl_->signals = ::signalfd(-1, &set, SFD_NONBLOCK | SFD_CLOEXEC);
+  impl_->signal_watch.emplace(*impl_, impl_->signals, EPOLLIN, [impl = impl_.get(), handler = std::move(handler)] {
+    signalfd_siginfo arrived{};
+    while (::read(impl->signals, &arrived, sizeof arrived) == sizeof arrived)
+      handler(static_cast<int>(arrived.ssi_signo));
+  });
 }
 
-namespace {
-
-using Watched = asio::posix::stream_descriptor;
-
-// Asio sets O_NONBLOCK on what it watches, and a terminal or an inherited pipe shares that flag with other programs.
-// So a shared descriptor is watched through an epoll instance of our own, and read and written only when ready.
-// Returns -1 for what needs no watching because it is always ready: regular files, /dev/null.
-int watched_descriptor(int descriptor, Descriptor kind, std::uint32_t events) {
-  struct stat status {};
-  if (::fstat(descriptor, &status) == 0 && (S_ISREG(status.st_mode) || S_ISDIR(status.st_mode))) return -1;
-  if (kind == Descriptor::own) return ::fcntl(descriptor, F_DUPFD_CLOEXEC, 3);
-  const int watch = ::epoll_create1(EPOLL_CLOEXEC);
-  struct epoll_event event {};
-  event.events = events;
-  if (::epoll_ctl(watch, EPOLL_CTL_ADD, descriptor, &event) == 0) return watch;
-  ::close(watch);
-  return -1;
-}
-
-}  // namespace
-
-struct Reader::Impl {
-  Impl(Loop& loop, int fd, Descriptor whose) : watched(loop.impl().context), plain(fd), kind(whose) {
-    const int watch = watched_descriptor(fd, kind, EPOLLIN);
-    always_ready = watch < 0;
-    if (!always_ready) watched.assign(watch);
-  }
-  ~Impl() {
-    if (kind == Descriptor::own) ::close(plain);
-  }
-  Watched watched;
-  int plain;
-  Descriptor kind;
-  bool always_ready;
-  bool reading = false;
-};
+// -- Reader
 
 Reader::Reader(Loop& loop, int descriptor, Descriptor kind, std::size_t longest_line)
-    : lines_(longest_line), impl_(std::make_shared<Impl>(loop, descriptor, kind)) {
+    : lines_(longest_line),
+      descriptor_(descriptor),
+      kind_(kind),
+      watch_(std::make_unique<Watch>(loop.impl(), descriptor, EPOLLIN, [this] { ready(); })) {
   // our own descriptors are pipes: one that is "always ready" could not be watched
-  failed_ = kind == Descriptor::own && impl_->always_ready;
+  failed_ = watch_->failed() || (kind == Descriptor::own && watch_->always_ready());
   if (failed_) lines_.close();
 }
 
 Reader::~Reader() {
-  boost::system::error_code ignored;
-  impl_->watched.close(ignored);
+  watch_.reset();
+  if (kind_ == Descriptor::own) ::close(descriptor_);
 }
 
 void Reader::want() {
-  if (impl_->reading || lines_.closed()) return;
-  if (impl_->always_ready) {
-    read();
+  if (watch_->always_ready() && !lines_.closed()) read();
+  if (wanted_ || lines_.closed()) return;
+  wanted_ = true;
+  watch_->on();
+  if (watch_->failed()) lines_.close();
+}
+
+void Reader::ready() {
+  // nobody has asked: it is left waiting, and so is who writes
+  if (!wanted_) {
+    watch_->off();
     return;
   }
-  impl_->reading = true;
-  impl_->watched.async_wait(Watched::wait_read,
-                            [this, impl = std::weak_ptr(impl_)](const boost::system::error_code& error) {
-                              // the reader itself may be gone by now
-                              const auto alive = impl.lock();
-                              if (!alive || error == asio::error::operation_aborted) return;
-                              alive->reading = false;
-                              read();
-                            });
+  wanted_ = false;
+  read();
 }
 
 void Reader::read() {
   constexpr std::size_t chunk = 64 * 1024;
-  char* room = lines_.room(chunk);
-  const ssize_t count = ::read(impl_->plain, room, chunk);
+  const ssize_t count = ::read(descriptor_, lines_.room(chunk), chunk);
   if (count > 0)
     lines_.fill(static_cast<std::size_t>(count));
   else if (count == 0 || (errno != EINTR && errno != EAGAIN))
     lines_.close();
 }
 
-struct Writer::Impl {
-  Impl(Loop& loop, int fd, Descriptor whose) : watched(loop.impl().context), plain(fd), kind(whose) {
-    struct stat status {};
-    ::fstat(fd, &status);
-    socket = S_ISSOCK(status.st_mode);
-    const int watch = watched_descriptor(fd, kind, EPOLLOUT);
-    always_ready = watch < 0;
-    if (!always_ready) watched.assign(watch);
-  }
-  ~Impl() {
-    if (kind == Descriptor::own) ::close(plain);
-  }
+// -- Writer
 
-  // one write that does not wait: PIPE_BUF bytes fit whenever poll() says so, whatever flags a shared descriptor has
-  ssize_t write_some(const char* bytes, std::size_t count) const {
-    if (always_ready) return ::write(plain, bytes, count);
-    if (socket) return ::send(plain, bytes, count, MSG_DONTWAIT | MSG_NOSIGNAL);
-    if (kind == Descriptor::own) return ::write(plain, bytes, count);
-    struct pollfd ready {
-      plain, POLLOUT, 0
-    };
-    if (::poll(&ready, 1, 0) == 0) {
-      errno = EAGAIN;
-      return -1;
-    }
-    return ::write(plain, bytes, std::min<std::size_t>(count, 4096));
+namespace {
+
+// a second opening of a pipe has flags of its own, so that a write to it need not be asked for with poll();
+// -1: not possible
+int opened_again(int descriptor) {
+  struct stat status {};
+  if (::fstat(descriptor, &status) != 0 || !S_ISFIFO(status.st_mode)) return -1;
+  return ::open(("/proc/self/fd/" + std::to_string(descriptor)).c_str(), O_WRONLY | O_NONBLOCK | O_CLOEXEC);
+}
+
+}  // namespace
+
+Writer::Writer(Loop& loop, int descriptor, Descriptor kind) : descriptor_(descriptor), own_(kind == Descriptor::own) {
+  if (const int again = own_ ? -1 : opened_again(descriptor); again >= 0) {
+    descriptor_ = again;
+    own_ = true;
   }
-
-  Watched watched;
-  int plain;
-  Descriptor kind;
-  bool always_ready = false, socket = false;
-};
-
-Writer::Writer(Loop& loop, int descriptor, Descriptor kind) : impl_(std::make_shared<Impl>(loop, descriptor, kind)) {}
+  struct stat status {};
+  socket_ = ::fstat(descriptor_, &status) == 0 && S_ISSOCK(status.st_mode);
+  watch_ = std::make_unique<Watch>(loop.impl(), descriptor_, EPOLLOUT, [this] {
+    watch_->off();
+    waiting_ = false;
+    send();
+  });
+  watch_->off();
+}
 
 Writer::~Writer() {
-  boost::system::error_code ignored;
-  impl_->watched.close(ignored);
+  watch_.reset();
+  if (own_) ::close(descriptor_);
+}
+
+// one write that does not wait: PIPE_BUF bytes fit whenever poll() says so, whatever flags a shared descriptor has
+ssize_t Writer::write_some(std::string_view bytes) const {
+  if (own_ || watch_->always_ready()) return ::write(descriptor_, bytes.data(), bytes.size());
+  if (socket_) return ::send(descriptor_, bytes.data(), bytes.size(), MSG_DONTWAIT | MSG_NOSIGNAL);
+  struct pollfd ready {
+    descriptor_, POLLOUT, 0
+  };
+  if (::poll(&ready, 1, 0) == 0) {
+    errno = EAGAIN;
+    return -1;
+  }
+  return ::write(descriptor_, bytes.data(), std::min<std::size_t>(bytes.size(), 4096));
 }
 
 void Writer::flush() {
@@ -168,7 +150,7 @@ void Writer::flush() {
 
 void Writer::send() {
   while (pending() > 0 && !broken_) {
-    const ssize_t count = impl_->write_some(buffer_.data() + written_, pending());
+    const ssize_t count = write_some(std::string_view(buffer_).substr(written_));
     if (count >= 0) {
       written_ += static_cast<std::size_t>(count);
     } else if (errno == EAGAIN) {
@@ -178,13 +160,7 @@ void Writer::send() {
         buffer_.erase(0, written_);
         written_ = 0;
       }
-      // an epoll instance never becomes writable: it becomes readable when what it watches is ready
-      const auto readiness = impl_->kind == Descriptor::own ? Watched::wait_write : Watched::wait_read;
-      impl_->watched.async_wait(readiness, [this, impl = std::weak_ptr(impl_)](const boost::system::error_code& error) {
-        if (!impl.lock() || error == asio::error::operation_aborted) return;
-        waiting_ = false;
-        send();
-      });
+      watch_->on();
       return;
     } else if (errno != EINTR) {
       broken_ = true;
@@ -203,12 +179,12 @@ void Writer::discard() {
 void Writer::drain(std::chrono::milliseconds limit) {
   const auto deadline = Clock::now() + limit;
   while (pending() > 0 && !broken_ && Clock::now() < deadline) {
-    const ssize_t count = impl_->write_some(buffer_.data() + written_, pending());
+    const ssize_t count = write_some(std::string_view(buffer_).substr(written_));
     if (count >= 0) {
       written_ += static_cast<std::size_t>(count);
     } else if (errno == EAGAIN) {
       struct pollfd ready {
-        impl_->plain, POLLOUT, 0
+        descriptor_, POLLOUT, 0
       };
       ::poll(&ready, 1, 10);
     } else if (errno != EINTR) {
@@ -222,51 +198,29 @@ void Writer::drain(std::chrono::milliseconds limit) {
   }
 }
 
-struct ReadyWatch::Impl {
-  Impl(Loop& loop, int fd, std::function<void()> call) : watched(loop.impl().context), handler(std::move(call)) {
-    const int watch = watched_descriptor(fd, Descriptor::shared, EPOLLIN);
-    if (watch >= 0) watched.assign(watch);
-  }
-  Watched watched;
-  std::function<void()> handler;
-  bool waiting = false;
-};
+// -- one thing to wait for
 
 ReadyWatch::ReadyWatch(Loop& loop, int descriptor, std::function<void()> handler)
-    : impl_(std::make_shared<Impl>(loop, descriptor, std::move(handler))) {}
-
-ReadyWatch::~ReadyWatch() {
-  boost::system::error_code ignored;
-  impl_->watched.close(ignored);
+    : watch_(std::make_unique<Watch>(loop.impl(), descriptor, EPOLLIN, [this, handler = std::move(handler)] {
+        watch_->off();
+        handler();
+      })) {
+  watch_->off();
 }
 
-void ReadyWatch::want() {
-  if (impl_->waiting || !impl_->watched.is_open()) return;
-  impl_->waiting = true;
-  impl_->watched.async_wait(Watched::wait_read, [impl = std::weak_ptr(impl_)](const boost::system::error_code& error) {
-    const auto alive = impl.lock();
-    if (!alive || error == asio::error::operation_aborted) return;
-    alive->waiting = false;
-    alive->handler();
-  });
-}
+ReadyWatch::~ReadyWatch() = default;
 
-struct ExitWatch::Impl {
-  Impl(Loop& loop, int pidfd) : watched(loop.impl().context, pidfd) {}
-  Watched watched;
-};
+void ReadyWatch::want() { watch_->on(); }
 
 ExitWatch::ExitWatch(Loop& loop, int pidfd, std::function<void()> handler)
-    : impl_(std::make_shared<Impl>(loop, pidfd)) {
-  impl_->watched.async_wait(Watched::wait_read, [handler = std::move(handler),
-                                                 impl = std::weak_ptr(impl_)](const boost::system::error_code& error) {
-    if (!error && impl.lock()) handler();
-  });
-}
+    : pidfd_(pidfd), watch_(std::make_unique<Watch>(loop.impl(), pidfd, EPOLLIN, [this, handler = std::move(handler)] {
+        watch_->off();
+        handler();
+      })) {}
 
 ExitWatch::~ExitWatch() {
-  boost::system::error_code ignored;
-  impl_->watched.close(ignored);
+  watch_.reset();
+  if (pidfd_ >= 0) ::close(pidfd_);
 }
 
 }  // namespace channel

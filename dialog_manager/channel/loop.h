@@ -1,5 +1,7 @@
 #pragma once
 
+#include <sys/types.h>
+
 #include <chrono>
 #include <functional>
 #include <memory>
@@ -9,10 +11,11 @@
 
 #include "dialog_manager/channel/line_buffer.h"
 
-/// Lines over descriptors. The only code that includes Boost.Asio, in its .cc files. One thread; nothing blocks.
+/// Lines over descriptors, on epoll (docs/decisions/0006-four-system-calls.md). One thread; nothing blocks.
 namespace channel {
 
 using Clock = std::chrono::steady_clock;
+class Watch;
 
 /// Waits for descriptors, child processes and signals.
 class Loop {
@@ -48,7 +51,7 @@ class Reader {
   Reader(const Reader&) = delete;
   Reader& operator=(const Reader&) = delete;
 
-  /// Asks for more bytes when the buffer has no whole line left. Cheap to call when a read is under way already.
+  /// Asks for more bytes, when the buffer has no whole line left; the first ones come unasked. Cheap to call again.
   void want();
   LineBuffer& lines() { return lines_; }
   /// It could not be watched: too many descriptors are open. It is at its end.
@@ -57,11 +60,14 @@ class Reader {
   bool at_end() const { return lines_.closed(); }
 
  private:
-  struct Impl;
+  void ready();
   void read();
 
   LineBuffer lines_;
-  std::shared_ptr<Impl> impl_;
+  int descriptor_;
+  Descriptor kind_;
+  std::unique_ptr<Watch> watch_;
+  bool wanted_ = true;
   bool failed_ = false;
 };
 
@@ -90,15 +96,17 @@ class Writer {
   int failure() const { return failure_; }
 
  private:
-  struct Impl;
   void send();
+  ssize_t write_some(std::string_view bytes) const;
 
   std::string buffer_;
   std::size_t written_ = 0;
   bool broken_ = false;
   int failure_ = 0;
   bool waiting_ = false;
-  std::shared_ptr<Impl> impl_;
+  int descriptor_;
+  bool own_, socket_ = false;
+  std::unique_ptr<Watch> watch_;
 };
 
 /// Calls `handler` when a shared descriptor has something to read, each time want() asked for it.
@@ -109,8 +117,7 @@ class ReadyWatch {
   void want();
 
  private:
-  struct Impl;
-  std::shared_ptr<Impl> impl_;
+  std::unique_ptr<Watch> watch_;
 };
 
 /// Calls `handler` once, when the process of this pidfd has ended. Closes the pidfd.
@@ -120,8 +127,8 @@ class ExitWatch {
   ~ExitWatch();
 
  private:
-  struct Impl;
-  std::shared_ptr<Impl> impl_;
+  int pidfd_;
+  std::unique_ptr<Watch> watch_;
 };
 
 }  // namespace channel

@@ -1,0 +1,612 @@
+// The dialog manager, driven over pipes as any client drives it, beside what the machine allows: the same bytes through
+// a bare pipe, a bare barrier of forked workers, a bare write and fdatasync; and beside Redis, when it is installed.
+// Every row measures its baseline in the same run, in turns with it. Latencies and ticks have all processes on one
+// processor, where a wake-up costs what the kernel needs and nothing of a hypervisor.
+//
+//   dialog_manager_bench [SECTION...]     latency throughput tick journal restart world memory
+
+#include <sys/stat.h>
+#include <time.h>
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <random>
+
+#include "tests/bench/dialog_manager_peer.h"
+
+namespace {
+
+using namespace bench;
+
+const std::string manager = BIN_DIR "/dialog_manager";
+const std::string me = BIN_DIR "/dialog_manager_bench";
+
+double now() {
+  timespec time;
+  clock_gettime(CLOCK_MONOTONIC, &time);
+  return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
+}
+
+void require(bool good, const char* what) {
+  if (good) return;
+  std::fprintf(stderr, "bench: %s\n", what);
+  std::exit(1);
+}
+
+std::string text(const char* format, double value) {
+  std::array<char, 64> out;
+  std::snprintf(out.data(), out.size(), format, value);
+  return out.data();
+}
+
+double quantile(std::vector<double> samples, double q) {
+  const auto at = samples.begin() + static_cast<std::ptrdiff_t>(q * static_cast<double>(samples.size() - 1));
+  std::nth_element(samples.begin(), at, samples.end());
+  return *at;
+}
+
+/// A folder of its own, gone at the end.
+class Scratch {
+ public:
+  Scratch() {
+    std::string pattern = (std::filesystem::temp_directory_path() / "sailor-bench-XXXXXX").string();
+    if (::mkdtemp(pattern.data()) == nullptr) give_up("mkdtemp");
+    path_ = pattern;
+  }
+  ~Scratch() { std::filesystem::remove_all(path_); }
+  Scratch(const Scratch&) = delete;
+  Scratch& operator=(const Scratch&) = delete;
+  std::string operator/(std::string_view name) const { return path_ + "/" + std::string(name); }
+
+ private:
+  std::string path_;
+};
+
+// -- the table
+
+void heading(const char* title) {
+  std::printf("%s%-44s %-26s %9s %9s %7s  %-12s\n", title, "quantity", "baseline", "its", "ours", "ratio", "target");
+}
+
+void row(const std::string& quantity, const std::string& baseline, const std::string& its, const std::string& ours,
+         double ratio, const std::string& target, bool met) {
+  std::printf("%-44s %-26s %9s %9s %7.2f  %-12s %s\n", quantity.c_str(), baseline.c_str(), its.c_str(), ours.c_str(),
+              ratio, target.c_str(),
+              target.empty() ? ""
+              : met          ? "met"
+                             : "missed");
+  std::fflush(stdout);
+}
+
+void absent(const std::string& quantity, const std::string& what) {
+  std::printf("%-44s %s is not installed\n", quantity.c_str(), what.c_str());
+}
+
+/// A ratio to the baseline that must not be above, or not below, a limit.
+struct Limit {
+  enum class Of { none, ratio_at_most, ratio_at_least, value_at_least } of = Of::none;
+  double value = 0;
+};
+
+void compare(const std::string& quantity, const std::string& baseline, const char* format, double its, double ours,
+             Limit limit) {
+  const double ratio = ours / its;
+  std::string target;
+  bool met = true;
+  switch (limit.of) {
+    case Limit::Of::none: break;
+    case Limit::Of::ratio_at_most:
+      target = "<= " + text("%.2f", limit.value) + " x";
+      met = ratio <= limit.value;
+      break;
+    case Limit::Of::ratio_at_least:
+      target = ">= " + text("%.2f", limit.value) + " x";
+      met = ratio >= limit.value;
+      break;
+    case Limit::Of::value_at_least:
+      target = ">= " + text(format, limit.value);
+      met = ours >= limit.value;
+      break;
+  }
+  row(quantity, baseline, text(format, its), text(format, ours), ratio, target, met);
+}
+
+constexpr auto at_most = Limit::Of::ratio_at_most, at_least = Limit::Of::ratio_at_least,
+               at_least_value = Limit::Of::value_at_least;
+
+// -- peers
+
+/// A forked child that takes what comes and answers as many bytes to each piece.
+void echo(std::string_view answer) {
+  std::array<char, 65536> bytes;
+  while (::read(0, bytes.data(), bytes.size()) > 0)
+    if (::write(1, answer.data(), answer.size()) < 0) return;
+}
+
+/// Redis on a UNIX socket.
+class Redis {
+ public:
+  static bool installed() { return std::system("command -v redis-server >/dev/null 2>&1") == 0; }
+
+  Redis(const Scratch& folder, const std::vector<std::string>& options)
+      : socket_(folder / "redis.sock"), log_(folder / "redis.log") {
+    std::vector<std::string> argv = {"redis-server", "--port",    "0",  "--unixsocket", socket_, "--save", "", "--dir",
+                                     folder / "",    "--logfile", log_, "--loglevel",   "notice"};
+    argv.insert(argv.end(), options.begin(), options.end());
+    server_ = std::make_unique<Program>(argv);
+    const int descriptor = connect_to(socket_);
+    if (descriptor < 0) give_up("redis");
+    client_ = std::make_unique<Talk>(descriptor, descriptor);
+    // it may still be loading
+    while (true) {
+      client_->write("PING\r\n");
+      if (client_->read_lines(1).starts_with("+PONG")) break;
+      ::usleep(1000);
+    }
+  }
+  ~Redis() {
+    client_->write("SHUTDOWN NOSAVE\r\n");
+    server_->end();
+  }
+  Talk& client() { return *client_; }
+
+  static std::string command(double x) {
+    const std::string value = text("%.2f", x) + " 1.5 -0.25";
+    return "*4\r\n$4\r\nHSET\r\n$1\r\na\r\n$1\r\nb\r\n$" + std::to_string(value.size()) + "\r\n" + value + "\r\n";
+  }
+  /// Seconds that it needed to load its log, as it says itself.
+  double loaded_in() const {
+    std::ifstream file(log_);
+    double seconds = 0;
+    for (std::string line; std::getline(file, line);)
+      if (const std::size_t at = line.find("append only file: "); at != std::string::npos)
+        seconds = std::strtod(line.c_str() + at + 18, nullptr);
+    return seconds;
+  }
+
+ private:
+  std::string socket_, log_;
+  std::unique_ptr<Program> server_;
+  std::unique_ptr<Talk> client_;
+};
+
+constexpr const char* one_thing = "type thing\nfield thing.b vec3 m in -1e9 1e9\ncreate thing a\n";
+
+// a line that changes its field at each turn
+std::string set_line(std::size_t turn) {
+  return "set a.b " + text("%.2f", static_cast<double>(turn % 1000) / 4) + " 1.5 -0.25\n";
+}
+
+std::unique_ptr<Program> framed_manager(const std::vector<std::string>& options = {}) {
+  std::vector<std::string> argv = {manager, "--framed"};
+  argv.insert(argv.end(), options.begin(), options.end());
+  auto out = std::make_unique<Program>(argv);
+  out->write(std::string(one_thing) + "@0 sync ready\n");
+  out->read_lines(2);
+  return out;
+}
+
+// -- sections
+
+// seconds of each of `count` round trips
+void ping(Talk& peer, const std::vector<std::string>& commands, std::size_t count, std::vector<double>& out) {
+  for (std::size_t i = 0; i < count; ++i) {
+    const double start = now();
+    peer.write(commands[i % commands.size()]);
+    peer.read_lines(1);
+    out.push_back(now() - start);
+  }
+}
+
+// round trips a second with so many commands in one piece
+double pipelined(Talk& peer, const std::vector<std::string>& pieces, std::size_t each, std::size_t count) {
+  const double start = now();
+  for (std::size_t i = 0; i < count; ++i) {
+    peer.write(pieces[i % pieces.size()]);
+    peer.read_lines(each);
+  }
+  return static_cast<double>(count * each) / (now() - start);
+}
+
+void latency() {
+  const Pinned pinned;
+  const Scratch folder;
+  Program pipe([] { echo("@1 ok\n"); });
+  const auto ours = framed_manager({"--journal", folder / "a.journal"});
+  std::optional<Redis> redis;
+  if (Redis::installed()) redis.emplace(folder, std::vector<std::string>{});
+
+  std::vector<std::string> lines, hsets, line_pieces, hset_pieces;
+  constexpr std::size_t in_flight = 64;
+  for (std::size_t i = 0; i < 1000; ++i) {
+    lines.push_back("@1 " + set_line(i));
+    hsets.push_back(Redis::command(static_cast<double>(i) / 4));
+  }
+  for (std::size_t i = 0; i + in_flight <= lines.size(); i += in_flight) {
+    line_pieces.emplace_back();
+    hset_pieces.emplace_back();
+    for (std::size_t k = i; k < i + in_flight; ++k) {
+      line_pieces.back() += lines[k];
+      hset_pieces.back() += hsets[k];
+    }
+  }
+
+  std::vector<double> pipe_times, our_times, redis_times;
+  double our_rate = 0, redis_rate = 0;
+  for (int round = 0; round < 10; ++round) {
+    ping(pipe, lines, 5000, pipe_times);
+    ping(*ours, lines, 5000, our_times);
+    if (redis) ping(redis->client(), hsets, 5000, redis_times);
+    our_rate = std::max(our_rate, pipelined(*ours, line_pieces, in_flight, 2000));
+    if (redis) redis_rate = std::max(redis_rate, pipelined(redis->client(), hset_pieces, in_flight, 1000));
+  }
+  const auto p = [](const std::vector<double>& samples, double q) { return 1e6 * quantile(samples, q); };
+  const std::string trip = "round trip, tag and journal, ", in64 = "64 in flight, tags and journal, M/s";
+  compare(trip + "p50 us", "raw pipe", "%.2f", p(pipe_times, 0.5), p(our_times, 0.5), {at_most, 1.5});
+  compare(trip + "p99 us", "raw pipe", "%.2f", p(pipe_times, 0.99), p(our_times, 0.99), {at_most, 2});
+  if (!redis) {
+    absent(trip + "p50 us", "Redis");
+    absent(in64, "Redis");
+    return;
+  }
+  compare(trip + "p50 us", "Redis HSET, no log", "%.2f", p(redis_times, 0.5), p(our_times, 0.5), {at_most, 0.45});
+  compare(in64, "Redis HSET, no log", "%.2f", 1e-6 * redis_rate, 1e-6 * our_rate, {at_least, 4.5});
+}
+
+/// Lines a second that a program takes from a pipe; the preamble is not counted, `last` is answered with one line.
+double feed(Program& program, const std::string& preamble, const std::string& script, const std::string& last) {
+  program.write(preamble + last);
+  program.read_lines(1);
+  const double start = now();
+  program.write(script);
+  program.write(last);
+  program.read_lines(1);
+  const double seconds = now() - start;
+  return static_cast<double>(std::count(script.begin(), script.end(), '\n')) / seconds;
+}
+
+// counts lines as fast as they come, and answers `sync`
+void count_lines() {
+  static std::array<char, 65536> bytes;
+  std::size_t lines = 0;
+  ssize_t count = 0;
+  while ((count = ::read(0, bytes.data(), bytes.size())) > 0) {
+    lines += static_cast<std::size_t>(std::count(bytes.data(), bytes.data() + count, '\n'));
+    const std::string_view got(bytes.data(), static_cast<std::size_t>(count));
+    if (got.ends_with("sync end\n") && ::write(1, "end\n", 4) != 4) return;
+  }
+  ::_exit(lines == 0 ? 1 : 0);
+}
+
+void throughput() {
+  std::string one, any, preamble = "type thing\n";
+  for (std::size_t i = 0; i < 1'000'000; ++i) one += set_line(i);
+  constexpr int fields = 10, objects = 10'000;
+  for (int i = 0; i < fields; ++i) preamble += "field thing.value_" + std::to_string(i) + " vec3 m in -1e9 1e9\n";
+  for (int i = 0; i < objects; ++i) preamble += "create thing object_" + std::to_string(i) + "\n";
+  std::mt19937_64 random(1);
+  for (std::size_t i = 0; i < 1'000'000; ++i)
+    any += "set object_" + std::to_string(random() % objects) + ".value_" + std::to_string(random() % fields) + " " +
+           text("%.2f", static_cast<double>(random() % 1000) / 4) + " 1.5 -0.25\n";
+  double raw = 0, same = 0, spread = 0;
+  for (int round = 0; round < 5; ++round) {
+    const auto rate = [](Program&& program, const std::string& before, const std::string& script) {
+      return 1e-6 * feed(program, before, script, "sync end\n");
+    };
+    raw = std::max(raw, rate(Program([] { count_lines(); }), "", one));
+    same = std::max(same, rate(Program(std::vector{manager}), one_thing, one));
+    spread = std::max(spread, rate(Program(std::vector{manager}), preamble, any));
+  }
+  compare("script lines from a pipe, M/s", "counting newlines", "%.2f", raw, same, {at_least_value, 5});
+  compare("", "", "%.2f", raw, same, {at_least_value, 8});
+  compare("random sets over 100 000 fields, M/s", "counting newlines", "%.2f", raw, spread, {at_least_value, 4});
+  compare("", "", "%.2f", raw, spread, {at_least_value, 6});
+}
+
+// -- a manipulator that does next to nothing, made of this very program
+
+/// `idle` answers ticks; `mover` besides moves n0 to n99 at every tick; `reader` hears where nodes are.
+int manipulator(std::string_view kind) {
+  std::vector<char> bytes(1 << 20);
+  std::size_t held = 0;
+  std::string out;
+  while (true) {
+    const ssize_t count = ::read(0, bytes.data() + held, bytes.size() - held);
+    if (count <= 0) return 0;
+    const char *at = bytes.data(), *end = at + held + count;
+    while (const auto* newline = static_cast<const char*>(std::memchr(at, '\n', static_cast<std::size_t>(end - at)))) {
+      const std::string_view line(at, static_cast<std::size_t>(newline - at));
+      at = newline + 1;
+      if (line.starts_with("tick ")) {
+        const std::string_view tick = line.substr(5, line.find(' ', 5) - 5);
+        if (kind == "mover")
+          for (int i = 0; i < 100; ++i)
+            out += "set n" + std::to_string(i) + ".position " + std::string(tick) + " 0.5 -0.25\n";
+        out.append("done ").append(tick).append("\n");
+      } else if (line.starts_with("hello")) {
+        if (kind == "mover") out += "writes node.position\n";
+        if (kind == "reader") out += "reads node.position\n";
+        out += "ready\n";
+      } else if (line == "quit") {
+        return 0;
+      }
+    }
+    held = static_cast<std::size_t>(end - at);
+    std::memmove(bytes.data(), at, held);
+    std::string_view rest = out;
+    while (!rest.empty()) {
+      const ssize_t written = ::write(1, rest.data(), rest.size());
+      if (written <= 0) return 1;
+      rest.remove_prefix(static_cast<std::size_t>(written));
+    }
+    out.clear();
+  }
+}
+
+std::string start_line(const std::string& name, const std::string& kind) {
+  return "start " + me + " as " + name + " -- manipulator " + kind + "\n";
+}
+
+void tick() {
+  const Pinned pinned;
+  constexpr std::size_t workers = 5, ticks = 3000;
+  std::vector<std::unique_ptr<Program>> hub;
+  for (std::size_t i = 0; i < workers; ++i) hub.push_back(std::make_unique<Program>([] { echo("done 12345\n"); }));
+  Program ours({manager, "--framed"});
+  for (std::size_t i = 0; i < workers; ++i) ours.write(start_line("w" + std::to_string(i), "idle"));
+  ours.write("@0 sync ready\n");
+  ours.read_until("@0 ok");
+  double raw = 1e9, our = 1e9;
+  for (int round = 0; round < 10; ++round) {
+    double start = now();
+    for (std::size_t i = 0; i < ticks; ++i) {
+      for (const auto& worker : hub) worker->write("tick 12345 205.75 0.016666666666666666\n");
+      for (const auto& worker : hub) worker->read_lines(1);
+    }
+    raw = std::min(raw, (now() - start) / ticks);
+    start = now();
+    ours.write("@1 step " + std::to_string(ticks) + "\n");
+    ours.read_lines(1);
+    our = std::min(our, (now() - start) / ticks);
+  }
+  compare("lock-step tick, 5 empty manipulators, us", "raw barrier, 5 workers", "%.1f", 1e6 * raw, 1e6 * our,
+          {at_most, 1.5});
+  compare("", "", "%.1f", 1e6 * raw, 1e6 * our, {at_most, 1.3});
+}
+
+// -- memory of what was said
+
+// median seconds of a write and fdatasync of so many bytes
+void sync_loop(int file, std::size_t count, std::string_view bytes, std::vector<double>& out) {
+  for (std::size_t i = 0; i < count; ++i) {
+    const double start = now();
+    if (::write(file, bytes.data(), bytes.size()) < 0 || ::fdatasync(file) != 0) give_up("fdatasync");
+    out.push_back(now() - start);
+  }
+}
+
+void synced() {
+  const Scratch folder;
+  const int file = ::open((folder / "bare").c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0600);
+  const auto ours = framed_manager();
+  ours->write("@0 journal " + (folder / "a.journal") + " always\n");
+  ours->read_lines(1);
+  std::optional<Redis> redis;
+  if (Redis::installed())
+    redis.emplace(folder, std::vector<std::string>{"--appendonly", "yes", "--appendfsync", "always"});
+  std::vector<std::string> lines, hsets;
+  for (std::size_t i = 0; i < 1000; ++i) {
+    lines.push_back("@1 " + set_line(i));
+    hsets.push_back(Redis::command(static_cast<double>(i) / 4));
+  }
+  std::vector<double> bare_times, our_times, redis_times;
+  for (int round = 0; round < 10; ++round) {
+    sync_loop(file, 200, std::string(50, 'x') + "\n", bare_times);
+    ping(*ours, lines, 200, our_times);
+    if (redis) ping(redis->client(), hsets, 200, redis_times);
+  }
+  ::close(file);
+  const auto rate = [](const std::vector<double>& times) { return 1e-3 / quantile(times, 0.5); };
+  compare("fsync always, one client, k/s", "write and fdatasync", "%.2f", rate(bare_times), rate(our_times),
+          {at_least, 0.9});
+  if (redis)
+    compare("fsync always, one client, k/s", "Redis, log always", "%.2f", rate(redis_times), rate(our_times), {});
+  else
+    absent("fsync always, one client, k/s", "Redis");
+}
+
+void replayed() {
+  constexpr std::size_t lines = 1'000'000, lines_a_tick = 1000;
+  const Scratch folder;
+  const std::string journal = folder / "long.journal";
+  {
+    Program writer({manager, "--journal", journal});
+    std::string script = one_thing;
+    for (std::size_t i = 0; i < lines; ++i) {
+      script += set_line(i);
+      if (i % lines_a_tick == 0) script += "step\n";
+    }
+    writer.write(script);
+    require(writer.end() == 0, "the journal could not be made");
+  }
+  double our = 0, loaded = 0;
+  for (int round = 0; round < 5; ++round) {
+    const double start = now();
+    Program reader(std::vector<std::string>{manager, "-c", "replay " + journal});
+    require(reader.end() == 0, "the journal could not be replayed");
+    our = std::max(our, static_cast<double>(lines) / (now() - start));
+  }
+  if (Redis::installed()) {
+    const std::vector<std::string> log = {"--appendonly", "yes"};
+    {
+      Redis writer(folder, log);
+      std::string piece;
+      for (std::size_t i = 0; i < 1000; ++i) piece += Redis::command(static_cast<double>(i) / 4);
+      for (std::size_t i = 0; i < lines / 1000; ++i) {
+        writer.client().write(piece);
+        writer.client().read_lines(1000);
+      }
+    }
+    loaded = static_cast<double>(lines) / Redis(folder, log).loaded_in();
+  }
+  const std::string quantity = "replay of a journal, hash at every tick, M/s";
+  if (loaded > 0)
+    compare(quantity, "Redis loading its log", "%.2f", 1e-6 * loaded, 1e-6 * our, {at_least_value, 4});
+  else
+    row(quantity, "Redis is not installed", "", text("%.2f", 1e-6 * our), 0, ">= 4.00", our >= 4e6);
+}
+
+void journal() {
+  synced();
+  replayed();
+}
+
+// -- a manipulator is killed
+
+void restart() {
+  constexpr int lives = 4;  // of one manipulator, which may start five times in ten seconds
+  std::vector<double> floor, ours;
+  Program session({manager, "--framed"});
+  for (int one = 0; one < 6; ++one) {
+    for (int life = 0; life < lives; ++life) {
+      Program victim({me, "manipulator", "idle"});
+      victim.write("hello\n");
+      victim.read_lines(1);
+      const double start = now();
+      victim.kill();
+      char byte = 0;
+      require(::read(victim.in(), &byte, 1) == 0, "no end");
+      Program next({me, "manipulator", "idle"});
+      next.write("hello\ntick 1 0 0\n");
+      next.read_lines(2);
+      floor.push_back(now() - start);
+    }
+    session.write("@0 " + start_line("w" + std::to_string(one), "idle") + "@1 step 10\n");
+    session.read_until("@1 ok");
+    for (int life = 0; life < lives; ++life) {
+      const pid_t victim = session.children().front();
+      const double start = now();
+      ::kill(victim, SIGKILL);
+      session.write("@1 step\n");
+      session.read_until("@1 ok");
+      ours.push_back(now() - start);
+      require(session.children().front() != victim, "the manipulator lives");
+    }
+    session.write("@2 end w" + std::to_string(one) + "\n");
+    session.read_until("@2 ok");
+  }
+  compare("kill -9 of a manipulator to the next tick, ms", "kill, spawn, first reply", "%.2f",
+          1e3 * quantile(floor, 0.5), 1e3 * quantile(ours, 0.5), {at_most, 2});
+}
+
+// -- worlds of any size
+
+void world() {
+  std::printf(
+      "\nA tick with 100 changes in a world of N nodes: written by one program, read by another, kept in a "
+      "journal, hashed;\nprocessor time of the manager\n");
+  std::printf("%9s %12s %16s %16s %16s\n", "nodes", "us a tick", "to 100 nodes", "bytes a node", "bytes a thing");
+  double first = 0;
+  for (const int nodes : {100, 1'000, 10'000, 100'000, 1'000'000}) {
+    const Scratch folder;
+    Program session({manager, "--framed", "--journal", folder / "a.journal"});
+    const auto wait = [&](const std::string& lines) {
+      session.write(lines + "@0 sync ready\n");
+      session.read_until("@0 ok");
+    };
+    const auto fill = [&](const std::string& type, const std::string& letter) {
+      const double before = session.memory("VmRSS");
+      std::string lines;
+      for (int i = 0; i < nodes; ++i) lines += "create " + type + " " + letter + std::to_string(i) + "\n";
+      wait(lines);
+      return (session.memory("VmRSS") - before) / nodes;
+    };
+    wait(one_thing);
+    const double node = fill("node", "n"), thing = fill("thing", "t");
+    wait(start_line("mover", "mover") + start_line("reader", "reader"));
+    session.write("@1 step 20\n");
+    session.read_until("@1 ok");
+    double best = 1e9;
+    for (int round = 0; round < 10; ++round) {
+      const double start = session.cpu_seconds();
+      session.write("@1 step 50\n");
+      session.read_until("@1 ok");
+      best = std::min(best, (session.cpu_seconds() - start) / 50);
+    }
+    if (first == 0) first = best;
+    std::printf("%9d %12.1f %16.2f %16.0f %16.0f\n", nodes, 1e6 * best, best / first, node, thing);
+    std::fflush(stdout);
+  }
+}
+
+// -- memory stays flat
+
+void memory() {
+  constexpr double megabyte = 1 << 20;
+  std::printf("\nMemory that must stay flat, MB\n");
+  const auto line = [](const char* what, double before, double most) {
+    std::printf("%-60s %8.1f %s\n", what, (most - before) / megabyte, most - before < 16 * megabyte ? "flat" : "GROWS");
+  };
+  {
+    Program session({manager, "--framed", "--keep-going"});
+    session.write("@0 sync ready\n");
+    session.read_lines(2);
+    const double before = session.memory("VmHWM");
+    const std::string piece(1 << 20, 'x');
+    for (int i = 0; i < 100; ++i) session.write(piece);
+    session.write("\n@1 sync again\n");
+    session.read_until("@1 ok");
+    line("a line of 100 MB", before, session.memory("VmHWM"));
+  }
+  {
+    const auto session = framed_manager();
+    std::string script;
+    for (std::size_t i = 0; i < 1'000'000; ++i) script += set_line(i);
+    const auto say = [&] {
+      session->write(script + "@1 sync again\n");
+      session->read_lines(2);
+    };
+    say();
+    const double before = session->memory("VmHWM");
+    for (int i = 0; i < 5; ++i) say();
+    line("five more million lines without a tick", before, session->memory("VmHWM"));
+  }
+  {
+    const auto session = framed_manager();
+    const double before = session->memory("VmHWM");
+    ::fcntl(session->out(), F_SETFL, O_NONBLOCK);
+    // until it has not taken a byte for half a second
+    const std::string piece = "@1 get a\n";
+    for (double last = now(); now() - last < 0.5;) {
+      if (::write(session->out(), piece.data(), piece.size()) > 0)
+        last = now();
+      else
+        ::usleep(1000);
+    }
+    line("a client that asks and never reads the answers", before, session->memory("VmHWM"));
+    session->kill();
+  }
+}
+
+struct Section {
+  std::string_view name;
+  void (*run)();
+};
+constexpr Section sections[] = {{"latency", latency}, {"throughput", throughput}, {"tick", tick},
+                                {"journal", journal}, {"restart", restart},       {"world", world},
+                                {"memory", memory}};
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const std::vector<std::string_view> wanted(argv + 1, argv + argc);
+  if (wanted.size() == 2 && wanted[0] == "manipulator") return manipulator(wanted[1]);
+  ::signal(SIGPIPE, SIG_IGN);
+  heading("");
+  for (const Section& section : sections)
+    if (wanted.empty() || std::find(wanted.begin(), wanted.end(), section.name) != wanted.end()) section.run();
+}

@@ -61,7 +61,7 @@ class Storage(Disk):
                 for number in (1, 2, 3, 7, 20, 40):
                     with self.subTest(f"{when} at {call} {number}"):
                         happened += self.check_killed(call, number, when)
-        self.assertGreater(happened, 12)
+        self.assertGreaterEqual(happened, 12)
 
     def test_short_writes_and_interrupted_ones_are_gone_on_with(self):
         for what in ("short", EINTR):
@@ -244,7 +244,7 @@ class SlowStorage(Disk):
                 number = 1
                 while self.check_killed(call, number, when):
                     number += 1
-                self.assertGreater(number, 10, f"{when} at {call}")
+                self.assertGreater(number, 4, f"{when} at {call}")
 
     def test_full_at_every_size(self):
         for limit in range(0, 1500, 7):

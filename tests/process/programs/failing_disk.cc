@@ -1,9 +1,10 @@
 // A disk that fails, and a manager that is killed, at a system call that can be told: laid over the C library with
-// LD_PRELOAD.  FAILING="CALL N WHAT": the Nth CALL (pwrite fdatasync fallocate ftruncate, or write to descriptor 1) and
-// with "N+" every one after it. WHAT is an errno, or: short (half of the bytes), kill (dies before), killed (dies
-// after).
+// LD_PRELOAD.  FAILING="CALL N WHAT": the Nth CALL (pwrite fdatasync fallocate ftruncate, or write to standard output,
+// through whatever descriptor) and with "N+" every one after it. WHAT is an errno, or: short (half of the bytes), kill
+// (dies before), killed (dies after).
 
 #include <dlfcn.h>
+#include <sys/stat.h>
 #include <sys/types.h>
 #include <unistd.h>
 
@@ -50,6 +51,13 @@ Function original(const char* name) {
   return reinterpret_cast<Function>(::dlsym(RTLD_NEXT, name));
 }
 
+bool is_output(int file) {
+  struct stat one {
+  }, other{};
+  return ::fstat(file, &one) == 0 && ::fstat(STDOUT_FILENO, &other) == 0 && one.st_dev == other.st_dev &&
+         one.st_ino == other.st_ino;
+}
+
 void die() { ::kill(::getpid(), SIGKILL); }
 
 // the call under its orders; `half` is the call with half of its bytes
@@ -73,7 +81,7 @@ extern "C" {
 
 ssize_t write(int file, const void* bytes, size_t count) {
   static const auto real = original<ssize_t (*)(int, const void*, size_t)>("write");
-  if (file != STDOUT_FILENO) return real(file, bytes, count);
+  if (!is_output(file)) return real(file, bytes, count);
   return obey(
       "write", [&] { return real(file, bytes, count); }, [&] { return real(file, bytes, (count + 1) / 2); });
 }

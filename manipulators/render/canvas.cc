@@ -157,14 +157,14 @@ GeometryPointer ground_disc() {
 }
 
 // a grid over the picture from -1 to 1
-GeometryPointer screen_grid() {
+GeometryPointer screen_grid(std::uint32_t columns, std::uint32_t rows) {
   auto geometry = std::make_shared<Geometry>();
-  constexpr std::uint32_t columns = 64;
-  constexpr std::uint32_t rows = 48;
   for (std::uint32_t r = 0; r <= rows; ++r) {
     for (std::uint32_t c = 0; c <= columns; ++c) {
-      geometry->vertices.push_back(
-          {{2.0f * static_cast<float>(c) / columns - 1, 2.0f * static_cast<float>(r) / rows - 1, 0}, {0, 0, 1}, {}});
+      geometry->vertices.push_back({{2 * static_cast<float>(c) / static_cast<float>(columns) - 1,
+                                     2 * static_cast<float>(r) / static_cast<float>(rows) - 1, 0},
+                                    {0, 0, 1},
+                                    {}});
       if (r == 0 || c == 0) continue;
       const std::uint32_t d = r * (columns + 1) + c;
       const std::uint32_t b = d - columns - 1;
@@ -342,8 +342,8 @@ class Canvas::State {
     }
   };
   struct ShadowMap {
-    // far on the left, near on the right
-    explicit ShadowMap(int side) : depth(gl::Image::Kind::shadow, {2 * side, side}) {}
+    // far on the left, near, if it has that part, on the right
+    ShadowMap(int side, int parts) : depth(gl::Image::Kind::shadow, {parts * side, side}) {}
     gl::Image depth;
     gl::Target target{&depth};
   };
@@ -363,7 +363,8 @@ class Canvas::State {
   Targets* targets_for(Size size);
   Items sorted_items(const Scene& scene, const std::vector<Seen>& seen) const;
   void upload(FrameBlock& frame, Size size);
-  void draw_shadows(const Scene& scene, const Camera& camera, float aspect, const std::vector<Seen>& seen, int side,
+  ShadowMap* shadow_map(int side, int parts);
+  bool draw_shadows(const Scene& scene, const Camera& camera, float aspect, const std::vector<Seen>& seen, int side,
                     FrameBlock& frame);
   void draw_shadow_map(const Scene& scene, const ShadowView& view, int left, int side);
   void draw_items(const std::vector<Item>& items, bool lit_later, float line_scale);
@@ -374,12 +375,13 @@ class Canvas::State {
   std::unique_ptr<Context> context_;
   std::unique_ptr<gl::Program> surface_, eye_, clear_, flat_, grid_, studio_, studio_far_, sea_, sky_, light_, depth_,
       occlusion_, blur_;
-  std::unique_ptr<ShadowMap> shadow_map_;
+  std::unique_ptr<ShadowMap> shadow_maps_[2];  // of one part and of two
+  ShadowMap* shadow_map_ = nullptr;            // that of the picture
   std::unique_ptr<gl::Store> store_;
   std::unique_ptr<gl::Image> nothing_;
   std::map<std::pair<int, int>, std::unique_ptr<Targets>> targets_;
   GLuint frame_buffer_ = 0, empty_array_ = 0;
-  GeometryPointer disc_, grid_mesh_;
+  GeometryPointer disc_, sky_grid_, cloud_grid_;
   Cost cost_;
   int now_ = 0;
 };
@@ -414,7 +416,8 @@ std::string Canvas::State::prepare() {
 
   store_ = std::make_unique<gl::Store>();
   disc_ = ground_disc();
-  grid_mesh_ = screen_grid();
+  sky_grid_ = screen_grid(16, 32);
+  cloud_grid_ = screen_grid(64, 48);
   nothing_ = std::make_unique<gl::Image>(gl::Image::Kind::single, Size{1, 1});
   glGenBuffers(1, &frame_buffer_);
   glGenVertexArrays(1, &empty_array_);
@@ -469,32 +472,43 @@ void Canvas::State::draw_ground(const Scene& scene, const FrameBlock& frame, Siz
     draw_grid(ground == Ground::sea ? *sea_ : *grid_, *disc_);
     return;
   }
-  // shadows are looked for only where there can be any; the rest in four bands around
+  // shadows are looked for only where there can be any; the rest is drawn behind that
   const Rectangle dark = darkened(scene, frame.clip_from_world, size, false);
-  glEnable(GL_SCISSOR_TEST);
-  auto draw_part = [&](gl::Program& program, const Rectangle& part) {
-    if (part.width() == 0 || part.height() == 0) return;
-    glScissor(part.left, part.top, part.width(), part.height());
-    draw_grid(program, *disc_);
-  };
-  draw_part(*studio_, dark);
-  draw_part(*studio_far_, {0, 0, size.width, dark.top});
-  draw_part(*studio_far_, {0, dark.bottom, size.width, size.height});
-  draw_part(*studio_far_, {0, dark.top, dark.left, dark.bottom});
-  draw_part(*studio_far_, {dark.right, dark.top, size.width, dark.bottom});
-  glDisable(GL_SCISSOR_TEST);
+  if (dark.width() > 0 && dark.height() > 0) {
+    glEnable(GL_SCISSOR_TEST);
+    glScissor(dark.left, dark.top, dark.width(), dark.height());
+    draw_grid(*studio_, *disc_);
+    glDisable(GL_SCISSOR_TEST);
+  }
+  if (dark.width() == size.width && dark.height() == size.height) return;
+  glDepthFunc(GL_LESS);
+  draw_grid(*studio_far_, *disc_);
+  glDepthFunc(GL_LEQUAL);
 }
 
-void Canvas::State::draw_shadows(const Scene& scene, const Camera& camera, float aspect, const std::vector<Seen>& seen,
+// null when the rasterizer has none
+Canvas::State::ShadowMap* Canvas::State::shadow_map(int side, int parts) {
+  std::unique_ptr<ShadowMap>& map = shadow_maps_[parts - 1];
+  if (!map || map->depth.size().height != side) map = std::make_unique<ShadowMap>(side, parts);
+  if (!map->target.complete()) map.reset();
+  return map.get();
+}
+
+bool Canvas::State::draw_shadows(const Scene& scene, const Camera& camera, float aspect, const std::vector<Seen>& seen,
                                  int side, FrameBlock& frame) {
   // the nearest thing says how far sharp shadows must reach
   const float nearest = nearest_caster(scene, camera, seen);
   const auto far = shadow_view(scene, camera, aspect, std::clamp(nearest * 2.5f + 2.0f, 2.0f, 30.0f), side);
-  if (!far) return;
   auto near = shadow_view(scene, camera, aspect, std::clamp(nearest * 1.3f + 0.3f, 0.5f, 30.0f), side);
   // a second map must be worth its drawing
-  if (near && near->texel > 0.55f * far->texel) near.reset();
+  if (!far || (near && near->texel > 0.55f * far->texel)) near.reset();
+  const int parts = near ? 2 : 1;
+  shadow_map_ = shadow_map(side, parts);
+  if (!shadow_map_) return false;
+  if (!far) return true;
 
+  shadow_map_->target.use();
+  glClear(GL_DEPTH_BUFFER_BIT);
   // polygon offset keeps a surface from shadowing itself
   glEnable(GL_POLYGON_OFFSET_FILL);
   glFrontFace(GL_CCW);
@@ -503,22 +517,22 @@ void Canvas::State::draw_shadows(const Scene& scene, const Camera& camera, float
   if (near) draw_shadow_map(scene, *near, side, side);
   glDisable(GL_POLYGON_OFFSET_FILL);
 
+  // a distance of 2.4 texels keeps coarser levels off the finer ones that they shadow
+  constexpr float off = 1.3f;
   Eigen::Matrix4f half = Eigen::Matrix4f::Identity();
   half.diagonal() << 0.5f, 0.5f, 0.5f, 1;
   half.col(3) << 0.5f, 0.5f, 0.5f, 1;
   frame.shadow_from_world = half * far->clip_from_world;
-  frame.shadow.head<3>() << far->texel, 1 / static_cast<float>(side), 1;
-  if (!near) return;
+  frame.shadow.head<3>() << off * far->texel, 1 / static_cast<float>(side), 1;
+  frame.near_shadow.y() = 1 / static_cast<float>(parts);
+  if (!near) return true;
   frame.near_from_world = half * near->clip_from_world;
-  frame.near_shadow.x() = near->texel;
+  frame.near_shadow.x() = off * near->texel;
+  return true;
 }
 
 void Canvas::State::draw_shadow_map(const Scene& scene, const ShadowView& view, int left, int side) {
-  shadow_map_->target.use();
   glViewport(left, 0, side, side);
-  glEnable(GL_SCISSOR_TEST);
-  glScissor(left, 0, side, side);
-  glClear(GL_DEPTH_BUFFER_BIT);
   depth_->use();
   const Frustum frustum(view.clip_from_world);
   for (const Drawable& drawable : scene.drawables) {
@@ -526,10 +540,10 @@ void Canvas::State::draw_shadow_map(const Scene& scene, const ShadowView& view, 
     if (!drawable.casts_shadow || drawable.helper || drawable.on_top || geometry.vertices.empty()) continue;
     if (geometry.primitive != Primitive::triangles || drawable.materials.empty()) continue;
     if (drawable.materials[0].opacity < 0.995f || !frustum.touches(world_bounds(drawable))) continue;
-    // a shadow needs no finer surface than its texels
+    // a shadow needs no finer surface than the distance that it is kept off what throws it
     const float stretch = drawable.X_WG.linear().colwise().norm().maxCoeff();
     std::size_t level = 0;
-    while (level + 1 < geometry.levels.size() && geometry.levels[level + 1].error * stretch < view.texel * 0.7f) {
+    while (level + 1 < geometry.levels.size() && geometry.levels[level + 1].error * stretch < view.texel * 2) {
       ++level;
     }
     store_->bind(geometry);
@@ -543,7 +557,6 @@ void Canvas::State::draw_shadow_map(const Scene& scene, const ShadowView& view, 
     ++cost_.calls;
   }
   glDisable(GL_CULL_FACE);
-  glDisable(GL_SCISSOR_TEST);
 }
 
 void Canvas::State::draw_items(const std::vector<Item>& items, bool lit_later, float line_scale) {
@@ -642,10 +655,7 @@ std::string Canvas::State::draw(const Scene& scene, const Camera& camera, Size s
   const float aspect = static_cast<float>(size.width) / static_cast<float>(size.height);
   Targets* targets = targets_for(drawn);
   const int map_side = quality == Quality::best ? 2048 : 1024;
-  if (!shadow_map_ || shadow_map_->depth.size().height != map_side) {
-    shadow_map_ = std::make_unique<ShadowMap>(map_side);
-  }
-  if (!targets || !shadow_map_->target.complete()) {
+  if (!targets) {
     return "the rasterizer has no frame buffer of " + std::to_string(drawn.width) + "x" + std::to_string(drawn.height);
   }
 
@@ -661,14 +671,25 @@ std::string Canvas::State::draw(const Scene& scene, const Camera& camera, Size s
   glDisable(GL_BLEND);
   glDisable(GL_CULL_FACE);
 
-  draw_shadows(scene, camera, aspect, seen, map_side, frame);
+  if (!draw_shadows(scene, camera, aspect, seen, map_side, frame)) {
+    return "the rasterizer has no shadow map of " + std::to_string(map_side) + "x" + std::to_string(map_side);
+  }
 
   // surfaces without light; rows are stored top to bottom, so all is upside down and winds the other way round
   glFrontFace(GL_CW);
   upload(frame, drawn);
   targets->surfaces.use();
-  glClearColor(0, 0, 0, 0);
-  glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
+  glClear(GL_DEPTH_BUFFER_BIT);
+  const bool contact = quality != Quality::draft;
+  if (contact) {
+    // contact shadows look at the depth of neighbours, drawn or not; light looks only where something was drawn
+    const Rectangle where = darkened(scene, frame.clip_from_world, drawn, true);
+    glEnable(GL_SCISSOR_TEST);
+    glScissor(where.left - 8, where.top - 8, where.width() + 16, where.height() + 16);
+    const float nothing[] = {0, 0, 0, 0};
+    glClearBufferfv(GL_COLOR, 1, nothing);
+    glDisable(GL_SCISSOR_TEST);
+  }
   const float line_scale = static_cast<float>(drawn.height) / 720;
   draw_items(items.solid, true, line_scale);
 
@@ -678,7 +699,7 @@ std::string Canvas::State::draw(const Scene& scene, const Camera& camera, Size s
   targets->color.bind(2);
   targets->geometry.bind(3);
   nothing_->bind(1);
-  if (quality != Quality::draft) {
+  if (contact) {
     upload(frame, targets->grain.size());
     glClearColor(1, 1, 1, 1);
     targets->blurred.use();
@@ -715,7 +736,7 @@ std::string Canvas::State::draw(const Scene& scene, const Camera& camera, Size s
   if (scene.surroundings.ground != Ground::none) draw_ground(scene, frame, drawn);
   glEnable(GL_SCISSOR_TEST);
   glScissor(0, 0, drawn.width, sky_rows(scene, frame, drawn.height));
-  draw_grid(*sky_, *grid_mesh_);
+  draw_grid(*sky_, scene.surroundings.ground == Ground::sea ? *cloud_grid_ : *sky_grid_);
   glDisable(GL_SCISSOR_TEST);
 
   // clear things and explanations

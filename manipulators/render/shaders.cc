@@ -7,8 +7,8 @@ namespace {
 constexpr const char* header = R"(#version 330 core
 layout(std140) uniform Frame {
   mat4 clip_from_world;
-  mat4 shadow_from_world;   // into the left half of the shadow map
-  mat4 near_from_world;     // into its right half, where shadows near the camera are finer
+  mat4 shadow_from_world;   // into the left part of the shadow map
+  mat4 near_from_world;     // into its right part, where shadows near the camera are finer
   vec4 ray_centre;          // view ray of unit depth through the middle of the picture
   vec4 ray_right;           // its change toward the right edge
   vec4 ray_down;            // its change toward the lower edge
@@ -17,8 +17,8 @@ layout(std140) uniform Frame {
   vec4 horizon;             // w: distance at which the ground has faded into the horizon
   vec4 earth;               // w: ground height
   vec4 picture;             // width, height, 1/width, 1/height
-  vec4 shadow;              // texel size in world, texel size in map, strength, kind of ground
-  vec4 near_shadow;         // texel size in world
+  vec4 shadow;              // what keeps shadows off surfaces, in world; texel size in map, strength, kind of ground
+  vec4 near_shadow;         // what keeps shadows off surfaces, in world; share of the map that is one part
   vec4 lights;              // count, -, -, occlusion strength
   vec4 lens;                // focal length in picture heights
   vec4 light_toward[6];     // w: 1 distant, 0 near
@@ -56,9 +56,9 @@ float key_visibility(vec3 p, vec3 n, float slope) {
   bool is_near = max(max(in_near.x, in_near.y), in_near.z) < 0.495;
   if (!is_near && max(max(in_far.x, in_far.y), in_far.z) > 0.499) return 1.0;
   vec3 s = is_near ? near : far;
-  s.x = s.x * 0.5 + (is_near ? 0.5 : 0.0);
+  s.x = s.x * near_shadow.y + (is_near ? 0.5 : 0.0);
   float t = shadow.y * 0.9;
-  float h = t * 0.5;
+  float h = t * near_shadow.y;
   float sum = texture(shadow_map, s + vec3(h, 0.35 * t, 0.0)) + texture(shadow_map, s + vec3(-h, -0.35 * t, 0.0)) +
               texture(shadow_map, s + vec3(-0.35 * h, t, 0.0)) + texture(shadow_map, s + vec3(0.35 * h, -t, 0.0));
   return mix(1.0, sum * 0.25, shadow.z);
@@ -107,7 +107,7 @@ vec3 shaded(vec3 p, vec3 n, vec3 v, vec3 albedo, float roughness, float sheen, f
     if (i == 0) {
       float s = key_visibility(p, n, 1.0 - clamp(nl, 0.0, 1.0));
       // light that seeps through skin at the shadow's edge is red
-      open = gain * (vec3(s) + skin * vec3(0.16, 0.03, 0.01) * (s * (1.0 - s) * 4.0));
+      open = gain * (vec3(s) + skin * vec3(0.09, 0.02, 0.01) * (s * (1.0 - s) * 4.0));
       spot = gain * s;
     }
     diffuse += light_color[i].rgb * open * clamp((nl + wrap) * unwrap, 0.0, 1.0);
@@ -229,6 +229,7 @@ void main() {
 std::string studio_vertex() {
   return std::string(header) + light_functions + R"(
 layout(location = 0) in vec3 position;
+invariant gl_Position;  // two programs draw parts of one ground
 out vec3 p_W;
 out vec3 shade;    // with the key light
 out vec3 shadow_shade;  // without it

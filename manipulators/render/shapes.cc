@@ -319,6 +319,13 @@ void add_levels(Geometry& geometry) {
     if (coarser.indices.size() > finer.indices.size() * 4 / 5) continue;
     geometry.levels.push_back(std::move(coarser));
   }
+  // triangles that share corners follow each other, so that a corner is transformed once
+  for (Level& level : geometry.levels) {
+    for (const Span& span : level.spans) {
+      std::uint32_t* first = level.indices.data() + span.first;
+      meshopt_optimizeVertexCache(first, first, span.count, vertex_count);
+    }
+  }
   ++geometry.topology;
 }
 

@@ -32,23 +32,22 @@ constexpr Anchor anchors[] = {
 struct Fibre {
   const char* muscle;
   double ox, oy, oz, ix, iy, iz;
-  bool origin_bone;
 };
 constexpr Fibre fibres[] = {
-    {"zygomaticus_major", 51.2, -30.9, 42.2, 30.0, -74.0, 47.9, true},
-    {"risorius", 47.5, -65.1, 21.9, 28.3, -82.3, 56.8, true},
-    {"levator_anguli", 22.5, -44.9, 58.9, 20.0, -68.1, 66.3, true},
-    {"levator_anguli", 32.3, -45.5, 58.7, 27.5, -68.3, 60.7, true},
-    {"levator_labii_alaeque", 17.6, -33.8, 65.9, 22.9, -69.1, 64.8, true},
-    {"levator_labii_alaeque", 17.6, -33.8, 65.9, 10.7, -60.4, 64.7, true},
-    {"depressor_anguli", 18.3, -109.4, 45.3, 29.9, -86.0, 46.0, true},
-    {"depressor_anguli", 29.6, -102.8, 39.1, 29.9, -86.0, 46.0, true},
-    {"depressor_labii", 5.4, -113.1, 57.5, 2.5, -98.3, 67.7, true},
-    {"depressor_labii", 20.0, -103.5, 46.6, 16.7, -94.7, 59.4, true},
-    {"mentalis", 1.9, -103.0, 58.1, 1.5, -116.0, 62.9, true},
-    {"mentalis", 6.6, -104.3, 57.6, 4.0, -116.0, 62.9, true},
-    {"buccinator", 36.9, -49.6, 26.4, 23.5, -71.9, 55.1, true},
-    {"buccinator", 35.7, -70.7, 28.6, 22.7, -86.9, 54.0, true},
+    {"zygomaticus_major", 51.2, -30.9, 42.2, 30.0, -74.0, 47.9},
+    {"risorius", 47.5, -65.1, 21.9, 28.3, -82.3, 56.8},
+    {"levator_anguli", 22.5, -44.9, 58.9, 20.0, -68.1, 66.3},
+    {"levator_anguli", 32.3, -45.5, 58.7, 27.5, -68.3, 60.7},
+    {"levator_labii_alaeque", 17.6, -33.8, 65.9, 22.9, -69.1, 64.8},
+    {"levator_labii_alaeque", 17.6, -33.8, 65.9, 10.7, -60.4, 64.7},
+    {"depressor_anguli", 18.3, -109.4, 45.3, 29.9, -86.0, 46.0},
+    {"depressor_anguli", 29.6, -102.8, 39.1, 29.9, -86.0, 46.0},
+    {"depressor_labii", 5.4, -113.1, 57.5, 2.5, -98.3, 67.7},
+    {"depressor_labii", 20.0, -103.5, 46.6, 16.7, -94.7, 59.4},
+    {"mentalis", 1.9, -103.0, 58.1, 1.5, -116.0, 62.9},
+    {"mentalis", 6.6, -104.3, 57.6, 4.0, -116.0, 62.9},
+    {"buccinator", 36.9, -49.6, 26.4, 23.5, -71.9, 55.1},
+    {"buccinator", 35.7, -70.7, 28.6, 22.7, -86.9, 54.0},
 };
 
 /// Rings of orbicularis oris of the same source: midline above and below, corner; same frame.
@@ -77,23 +76,36 @@ constexpr Course courses[] = {
     // from the galea down to the skin of the brow
     {"frontalis_medial",
      {"brow_inner", "brow_middle", 0.0, -2, 34, true},
-     {"brow_inner", "brow_middle", 0.0, 0, 1, false}},
+     {"brow_inner", "brow_middle", -0.1, 0, 3, false}},
     {"frontalis_medial",
      {"brow_inner", "brow_middle", 0.4, 0, 35, true},
-     {"brow_inner", "brow_middle", 0.4, 0, 1, false}},
+     {"brow_inner", "brow_middle", 0.4, 0, 3, false}},
     {"frontalis_medial",
      {"brow_inner", "brow_middle", 0.8, 0, 36, true},
-     {"brow_inner", "brow_middle", 0.8, 0, 1, false}},
+     {"brow_inner", "brow_middle", 0.9, 0, 3, false}},
+    {"frontalis_medial",
+     {"brow_inner", "brow_middle", 0.2, -2, 34, true},
+     {"brow_inner", "brow_middle", 0.1, 0, 10, false}},
+    {"frontalis_medial",
+     {"brow_inner", "brow_middle", 0.7, -2, 34, true},
+     {"brow_inner", "brow_middle", 0.7, 0, 10, false}},
     {"frontalis_lateral",
      {"brow_middle", "brow_outer", 0.2, 1, 36, true},
-     {"brow_middle", "brow_outer", 0.2, 0, 1, false}},
+     {"brow_middle", "brow_outer", 0.1, 0, 3, false}},
     {"frontalis_lateral",
      {"brow_middle", "brow_outer", 0.6, 2, 36, true},
-     {"brow_middle", "brow_outer", 0.6, 0, 1, false}},
+     {"brow_middle", "brow_outer", 0.5, 0, 3, false}},
     {"frontalis_lateral",
      {"brow_middle", "brow_outer", 1.0, 3, 35, true},
-     {"brow_middle", "brow_outer", 1.0, 0, 1, false}},
+     {"brow_middle", "brow_outer", 0.9, 0, 4, false}},
+    {"frontalis_lateral",
+     {"brow_middle", "brow_outer", 0.4, 2, 36, true},
+     {"brow_middle", "brow_outer", 0.3, 0, 10, false}},
+    {"frontalis_lateral",
+     {"brow_middle", "brow_outer", 0.9, 3, 35, true},
+     {"brow_middle", "brow_outer", 0.8, 0, 11, false}},
     // from the medial end of the superciliary arch to the skin of the middle of the brow
+    {"corrugator", {"nasion", "brow_inner", 0.65, 0, -1, true}, {"brow_inner", "brow_middle", 0.2, 0, 1, false}},
     {"corrugator", {"nasion", "brow_inner", 0.65, 0, -1, true}, {"brow_inner", "brow_middle", 0.55, 0, 2, false}},
     {"corrugator", {"nasion", "brow_inner", 0.65, 0, 1, true}, {"brow_inner", "brow_middle", 0.9, 0, 3, false}},
     // from the rim of the orbit above the inner canthus to the head of the brow
@@ -103,10 +115,20 @@ constexpr Course courses[] = {
     // from the zygoma, medial to the major, to the skin of the upper lip
     {"zygomaticus_minor",
      {"cheekbone", "lower_lid", 0.15, 0, 3, true},
-     {"mouth_corner", "nose_wing", 0.25, -1, 0, false}},
+     {"mouth_corner", "nose_wing", 0.25, 1, 0, false}},
+    {"zygomaticus_minor",
+     {"cheekbone", "lower_lid", 0.15, 0, 3, true},
+     {"mouth_corner", "nose_wing", 0.30, -3, 0, false}},
     // from below the rim of the orbit to the upper lip
-    {"levator_labii", {"lower_lid", "cheekbone", 0.45, -5, -2, true}, {"mouth_corner", "nose_wing", 0.3, -5, 0, false}},
-    {"levator_labii", {"lower_lid", "cheekbone", 0.45, -1, -2, true}, {"mouth_corner", "nose_wing", 0.3, -9, 0, false}},
+    {"levator_labii",
+     {"lower_lid", "cheekbone", 0.45, -5, -2, true},
+     {"mouth_corner", "nose_wing", 0.35, -2, 0, false}},
+    {"levator_labii",
+     {"lower_lid", "cheekbone", 0.45, -3, -2, true},
+     {"mouth_corner", "nose_wing", 0.35, -5, 0, false}},
+    {"levator_labii",
+     {"lower_lid", "cheekbone", 0.45, -1, -2, true},
+     {"mouth_corner", "nose_wing", 0.35, -8, 0, false}},
     // from the chest over the border of the jaw to cheek and corner of the mouth
     {"platysma", {"jaw_angle", "menton", 0.35, 8, -45, true}, {"jaw_angle", "menton", 0.35, 0, 12, false}},
     {"platysma", {"jaw_angle", "menton", 0.55, 8, -45, true}, {"jaw_angle", "menton", 0.55, 0, 10, false}},
@@ -120,27 +142,27 @@ struct Section {
   double square_millimetres;
 };
 constexpr Section sections[] = {
-    {"frontalis_medial", 60},
-    {"frontalis_lateral", 60},
-    {"corrugator", 30},
-    {"depressor_supercilii", 12},
-    {"orbicularis_oculi_orbital", 30},
-    {"orbicularis_oculi_palpebral", 8},
-    {"levator_palpebrae", 12},
-    {"zygomaticus_major", 30},
-    {"zygomaticus_minor", 12},
+    {"frontalis_medial", 35},
+    {"frontalis_lateral", 35},
+    {"corrugator", 20},
+    {"depressor_supercilii", 10},
+    {"orbicularis_oculi_orbital", 8},
+    {"orbicularis_oculi_palpebral", 6},
+    {"levator_palpebrae", 5},
+    {"zygomaticus_major", 40},
+    {"zygomaticus_minor", 10},
     {"levator_labii_alaeque", 20},
-    {"levator_labii", 25},
-    {"levator_anguli", 25},
-    {"depressor_anguli", 35},
-    {"depressor_labii", 35},
-    {"risorius", 12},
-    {"buccinator", 40},
-    {"mentalis", 30},
-    {"platysma", 50},
+    {"levator_labii", 15},
+    {"levator_anguli", 20},
+    {"depressor_anguli", 25},
+    {"depressor_labii", 15},
+    {"risorius", 10},
+    {"buccinator", 25},
+    {"mentalis", 12},
+    {"platysma", 40},
     {"procerus", 15},
-    {"orbicularis_oris_marginal", 20},
-    {"orbicularis_oris_peripheral", 40},
+    {"orbicularis_oris_marginal", 7},
+    {"orbicularis_oris_peripheral", 16},
 };
 
 /// Puts points of the face at their depth in the tissue.
@@ -197,7 +219,7 @@ class Placer {
     const Bounds b = bounds(c, side, row);
     const double thickness = b.skin - b.inner;
     c.radius = std::clamp(c.radius, b.inner + 0.40 * thickness, b.inner + 0.70 * thickness);
-    return {sheet_.chart.point(c), std::clamp(0.5 * thickness, 0.0015, 0.0040)};
+    return {sheet_.chart.point(c), std::clamp(0.6 * thickness, 0.0015, 0.0055)};
   }
 
   /// a point of the skin moved on the chart, metres
@@ -252,14 +274,27 @@ Strand strand(const Placer& placer, const Vector3d& origin, bool origin_bone, co
   return s;
 }
 
+/// The fibres of one muscle, and half-way between each and the next one more, so that the pull is spread; those that
+/// end in the modiolus are led on to it.
 std::vector<Strand> published(const Placer& placer, const Warp& warp, const std::string& muscle, int side) {
-  std::vector<Strand> strands;
+  struct Ends {
+    Vector3d origin, insertion;
+  };
+  std::vector<Ends> all;
   const double sign = side == 0 ? 1 : -1;
+  const bool to_modiolus = muscle == "zygomaticus_major" || muscle == "depressor_anguli";
+  const Vector3d modiolus =
+      placer.shifted(placer.marks().at(full_name("mouth_corner", side)), sign * 4e-3 * placer.scale(), 0);
   for (const Fibre& f : fibres) {
     if (muscle != f.muscle) continue;
-    const Vector3d origin(sign * f.ox, f.oy, f.oz), insertion(sign * f.ix, f.iy, f.iz);
-    strands.push_back(strand(placer, warp(1e-3 * origin), f.origin_bone, warp(1e-3 * insertion)));
+    const Vector3d origin = warp(1e-3 * Vector3d(sign * f.ox, f.oy, f.oz));
+    const Vector3d insertion = warp(1e-3 * Vector3d(sign * f.ix, f.iy, f.iz));
+    if (!all.empty()) all.push_back({(all.back().origin + origin) / 2, (all.back().insertion + insertion) / 2});
+    all.push_back({origin, insertion});
+    if (to_modiolus) all.push_back({origin, modiolus});
   }
+  std::vector<Strand> strands;
+  for (const Ends& e : all) strands.push_back(strand(placer, e.origin, true, e.insertion));
   return strands;
 }
 
@@ -315,22 +350,26 @@ std::vector<Strand> mouth_ring(const Placer& placer, const Warp& warp, const Rin
   return chain(beds, false);
 }
 
-/// The orbital part: from the rim of the orbit at the inner canthus once round the eye and back to it.
-std::vector<Strand> orbital_ring(const Placer& placer, int side) {
+/// The orbital part: two arcs, each from the rim of the orbit at the inner canthus once round the eye and back to it.
+std::vector<Strand> orbital_rings(const Placer& placer, int side) {
   const double sign = side == 0 ? 1 : -1, scale = 1e-3 * placer.scale();
   const Eyeball& eye = placer.marks().eyes[side];
   const Vector3d front = eye.centre + Vector3d(0, 0, eye.radius);
-  std::vector<Placer::Bed> beds;
   const Vector3d anchor = placer.marks().at(full_name("inner_canthus", side));
   const Placer::Bed bone = {placer.on_bone(placer.shifted(anchor, -5 * sign * scale, 0)), 0};
-  beds.push_back(bone);
-  for (double degrees = 150; degrees >= -150; degrees -= 30) {
-    const double t = degrees * M_PI / 180;
-    beds.push_back(placer.in_tissue(
-        placer.shifted(front, sign * 25 * scale * std::cos(t), (degrees > 0 ? 19 : 18) * scale * std::sin(t))));
+  std::vector<Strand> strands;
+  for (const Eigen::Vector2d& half : {Eigen::Vector2d(22, 15), Eigen::Vector2d(28, 21)}) {
+    std::vector<Placer::Bed> beds = {bone};
+    for (double degrees = 150; degrees >= -150; degrees -= 25) {
+      const double t = degrees * M_PI / 180;
+      beds.push_back(placer.in_tissue(
+          placer.shifted(front, sign * half.x() * scale * std::cos(t), half.y() * scale * std::sin(t))));
+    }
+    beds.push_back(bone);
+    const std::vector<Strand> arc = chain(beds, true);
+    strands.insert(strands.end(), arc.begin(), arc.end());
   }
-  beds.push_back(bone);
-  return chain(beds, true);
+  return strands;
 }
 
 /// The palpebral part: an arc in each lid, both from the inner canthus to the outer one, where they hang at bone.
@@ -343,7 +382,7 @@ std::vector<Strand> palpebral_arcs(const Placer& placer, int side) {
     const auto& margin = above ? marks.upper_lid[side] : marks.lower_lid[side];
     std::vector<Placer::Bed> beds;
     beds.push_back({placer.on_bone(margin.front()), 0});
-    for (double s = 0.15; s < 0.9; s += 0.14) {
+    for (double s = 0.12; s < 0.9; s += 0.19) {
       const Vector3d& p = margin[std::size_t(s * double(margin.size() - 1))];
       beds.push_back(placer.in_tissue(placer.shifted(p, 0, (above ? 3.5 : -3) * scale),
                                       above ? CutSide::above : CutSide::below, row));
@@ -430,7 +469,7 @@ void place_muscles(const Landmarks& marks, const FaceSheet& sheet, const FaceTis
     const double section = section_of(kind) * placer.scale() * placer.scale();
     // arcs and rings carry their whole tension along the chain; strands side by side share it
     const bool in_line = kind.rfind("orbicularis", 0) == 0;
-    const double arcs = kind == "orbicularis_oculi_palpebral" ? 2 : 1;
+    const double arcs = kind.rfind("orbicularis_oculi", 0) == 0 ? 2 : 1;
     for (Strand& s : strands) s.force = stress * section / (in_line ? arcs : double(strands.size()));
     muscles.push_back({name, std::move(strands)});
     notes.push_back({source, section});
@@ -440,7 +479,7 @@ void place_muscles(const Landmarks& marks, const FaceSheet& sheet, const FaceTis
       std::vector<Strand> strands = published(placer, warp, kind, side);
       const MuscleSource source = strands.empty() ? MuscleSource::anatomy : MuscleSource::published;
       if (strands.empty()) strands = anatomical(placer, kind, side);
-      if (kind == "orbicularis_oculi_orbital") strands = orbital_ring(placer, side);
+      if (kind == "orbicularis_oculi_orbital") strands = orbital_rings(placer, side);
       if (kind == "orbicularis_oculi_palpebral") strands = palpebral_arcs(placer, side);
       if (kind == "levator_palpebrae") strands = levator(placer, side);
       keep((side == 0 ? "left_" : "right_") + kind, kind, std::move(strands), source);

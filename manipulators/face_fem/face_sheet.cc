@@ -89,9 +89,8 @@ FaceChart chart_of(const Head& head, const Landmarks& marks) {
   return chart;
 }
 
-/// Narrows the chart of a mask until its border rays meet skin.
+/// Narrows the chart of what is not all of a head until its border rays meet skin.
 void fit_to_skin(const Head& head, FaceChart& chart) {
-  if (head.closed()) return;
   const auto share_missed = [&](bool sides) {
     int missed = 0, all = 0;
     for (double s = 0; s <= 1; s += 0.05)

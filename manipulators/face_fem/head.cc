@@ -126,8 +126,24 @@ Result<Head> Head::take(const mesh::Surface& surface) {
     if (high > low) sum += (low + high) / 2, ++levels;
   }
   head.middle_ = levels > 0 ? sum / levels : (box.lower.x() + box.upper.x()) / 2;
-  head.closed_ = mesh::topology(all).closed() || mesh::topology(all).boundary_edges < all.F.rows() / 20;
   head.tree_ = std::make_unique<mesh::Tree>(head.skin_->V, head.skin_->F);
+  // a mask or a scan of the face has no skin behind its middle
+  const double centre = head.skin_->V.col(2).cast<double>().mean();
+  int behind = 0;
+  for (int k = 1; k <= 5; ++k)
+    behind += head.outermost({head.middle_, head.top_ - 0.02 * k, centre}, -Eigen::Vector3d::UnitZ()).has_value();
+  head.closed_ = behind >= 3;
+  if (!head.closed_) {
+    // a scan may be cut unevenly, so its sides tell nothing: x = 0, or the nose where that is far off
+    float nose = -HUGE_VALF;
+    const double low = box.lower.y() + 0.33 * (head.top_ - box.lower.y());
+    const double high = box.lower.y() + 0.67 * (head.top_ - box.lower.y());
+    for (Eigen::Index v = 0; v < head.skin_->V.rows(); ++v)
+      if (head.skin_->V(v, 1) > low && head.skin_->V(v, 1) < high && head.skin_->V(v, 2) > nose) {
+        nose = head.skin_->V(v, 2);
+        head.middle_ = std::abs(head.skin_->V(v, 0)) < 0.008F ? 0 : double(head.skin_->V(v, 0));
+      }
+  }
 
   for (const mesh::Surface& piece : pieces(mesh::subset(surface, is_eye))) {
     const std::optional<Eyeball> ball = sphere_of(piece);

@@ -26,7 +26,7 @@ class Head {
   const std::array<std::optional<Eyeball>, 2>& eyeballs() const { return eyeballs_; }
   double top() const { return top_; }
   double middle() const { return middle_; }  ///< x of the middle plane
-  bool closed() const { return closed_; }    ///< no border above the neck: a head, not a mask or scan
+  bool closed() const { return closed_; }    ///< there is skin behind too: a head, not a mask or a scan of the face
 
   /// The outermost point of the skin on the ray from `origin` along the unit `direction`, as its distance from origin;
   /// nothing when the ray leaves without meeting skin.

@@ -141,7 +141,10 @@ Status Finder::find_profile() {
 
   // the nose is the foremost point of the middle plane that stands out from the cheeks beside it
   const auto tip_given = given_.find("nose_tip");
-  int tip = tip_given != given_.end() ? line.index(tip_given->second.y()) : foremost(line, top - 0.20, top - 0.05);
+  const double low = line.size() > 0 ? line.at.back() : top, tall = top - low;
+  const double highest = head_.closed() ? top - 0.05 : top - 0.15 * tall;
+  const double lowest = head_.closed() ? top - 0.20 : low + 0.35 * tall;
+  int tip = tip_given != given_.end() ? line.index(tip_given->second.y()) : foremost(line, lowest, highest);
   if (tip < 0) return missing("the nose was not found: the middle plane x = ", x, " meets no skin");
   const double prominence = line.z[tip] - std::max(head_.front(x - 0.035, line.at[tip]).value_or(-1),
                                                    head_.front(x + 0.035, line.at[tip]).value_or(-1));
@@ -151,13 +154,16 @@ Status Finder::find_profile() {
   put("nose_tip", point(tip), confidence_of(prominence, 0.02), "profile");
   const double y = line.at[tip];
 
-  // the cleft of the closed mouth is the deepest narrow dip below the nose
-  int cleft = -1;
+  // the cleft of the closed mouth is the first sharp dip below the nose: that above the chin may be as deep
   const auto stomion_given = given_.find("stomion");
-  for (int i = 0; i < line.size(); ++i) {
-    if (line.at[i] > y - 0.016 || line.at[i] < y - 0.060) continue;
-    if (cleft < 0 || notch(line, i, 0.007) > notch(line, cleft, 0.007)) cleft = i;
-  }
+  constexpr double sharp = 0.0035;
+  double deepest = 0;
+  std::vector<double> dip(line.size(), 0);
+  for (int i = 0; i < line.size(); ++i)
+    if (line.at[i] < y - 0.016 && line.at[i] > y - 0.060) deepest = std::max(deepest, dip[i] = notch(line, i, sharp));
+  int cleft = -1;
+  for (int i = 1; i + 1 < line.size() && cleft < 0; ++i)
+    if (dip[i] > 0.4 * deepest && dip[i] >= dip[i + 1]) cleft = i;
   if (stomion_given != given_.end()) cleft = line.index(stomion_given->second.y());
   const double depth = cleft < 0 ? 0 : notch(line, cleft, 0.007);
   if (stomion_given == given_.end() && depth < 0.0005)
@@ -273,7 +279,10 @@ Status Finder::find_eyes() {
     const std::string who = side == 0 ? "left_" : "right_";
     const bool part = head_.eyeballs()[side].has_value();
     out_.eyes[side] = part ? *head_.eyeballs()[side] : guessed_eye(side);
-    const bool open = open_lids(side);
+    // a guessed eye is open only where the skin has a hole or a pocket in its middle
+    const Vector3d& centre = out_.eyes[side].centre;
+    const bool pocket = part || head_.front(centre.x(), centre.y()).value_or(-HUGE_VAL) < centre.z();
+    const bool open = pocket && open_lids(side);
     if (!open) closed_lids(side);
     const auto &upper = out_.upper_lid[side], &lower = out_.lower_lid[side];
     const char* source = part ? "eyeball" : open ? "opening" : "proportion";

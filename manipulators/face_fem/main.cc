@@ -2,6 +2,7 @@
 #include <cstdio>
 
 #include "manipulators/face_fem/blas_setup.h"
+#include "manipulators/face_fem/build_command.h"
 #include "manipulators/face_fem/chart.h"
 #include "manipulators/face_fem/solve_command.h"
 
@@ -29,6 +30,21 @@ int main(int argc, char** argv) {
   app.add_option("--out", solve.out, "table of displacements; default: standard output")->type_name("OUT.csv");
   app.add_option("--vtu", solve.vtu, "the same for ParaView")->type_name("OUT.vtu");
   app.add_option("--chart", chart, "measure error against cost and write tables")->type_name("DIR");
+  face::BuildRequest build;
+  auto* head =
+      app.add_option("--build", build.head, "build a face on a head: OBJ, PLY, STL, Collada, glTF, range scan (.vtk)")
+          ->type_name("HEAD");
+  app.add_option("--unit", build.unit, "metres in one unit of HEAD (0.01 for centimetres)")->needs(head);
+  app.add_option("--resolution", build.resolution, "N, COLUMNSxROWS or COLUMNSxROWSxLAYERS; default 32x32x3")
+      ->needs(head);
+  app.add_option("--landmark", build.landmarks, "NAME=x,y,z in metres: a point that is known already")->needs(head);
+  app.add_option("--muscle", build.muscles, "NAME=AMOUNT: contract it; without left_ or right_ both sides")
+      ->needs(head);
+  app.add_option("--jaw", build.jaw, "open the jaw, degrees")->needs(head);
+  app.add_option("--scan", build.scan, "write the virtual range scan of the skin")->type_name("OUT.csv")->needs(head);
+  app.add_option("--write", build.write, "write tissue and load for CalculiX")->type_name("MODEL.inp")->needs(head);
+  app.add_option("--surface", build.surface, "write the head as it moves")->type_name("OUT.obj")->needs(head);
+  app.add_flag("--list", build.list, "print landmarks and muscles")->needs(head);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
@@ -36,6 +52,9 @@ int main(int argc, char** argv) {
     return usage(error.what());
   }
   if (!element.empty()) solve.element = face::element_named(element);
+  build.vtu = solve.vtu;
+  build.nonlinear = solve.nonlinear;
+  if (!build.head.empty()) return face::run_build(build);
   if (!solve.model.empty()) return face::run_solve(solve);
   if (!chart.empty()) return face::run_chart(chart);
   return usage("nothing to do; see --help");

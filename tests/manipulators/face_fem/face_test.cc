@@ -108,7 +108,7 @@ TEST(Face, MusclesReachTissueAndKeepTheirStress) {
     double force = 0;
     for (const Strand& s : face.muscles[k].strands) force = std::max(force, s.force);
     EXPECT_LE(force, 100e3 * face.muscle_notes[k].cross_section * 1.0001) << face.muscles[k].name;
-    EXPECT_GT(face.muscle_notes[k].cross_section, 5e-6);
+    EXPECT_GT(face.muscle_notes[k].cross_section, 4e-6);
   }
 }
 

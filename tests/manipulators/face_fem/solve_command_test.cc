@@ -1,66 +1,24 @@
 // Runs the program itself, and CalculiX beside it where that is installed.
 #include <gtest/gtest.h>
-#include <sys/wait.h>
 
 #include <cmath>
-#include <cstdio>
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
-#include <map>
-#include <sstream>
 
 #include "manipulators/face_fem/inp_file.h"
 #include "tests/manipulators/face_fem/bodies.h"
+#include "tests/manipulators/face_fem/program.h"
 
 namespace face {
 namespace {
 
 namespace fs = std::filesystem;
 
-struct Finished {
-  int status;
-  std::string text;  // both streams
-};
+using program::displacements;
+using program::Finished;
+using program::run;
 
-Finished run(const std::string& command) {
-  Finished result{-1, ""};
-  std::FILE* pipe = popen((command + " 2>&1 </dev/null").c_str(), "r");
-  char buffer[4096];
-  for (std::size_t got; (got = std::fread(buffer, 1, sizeof buffer, pipe)) > 0;) result.text.append(buffer, got);
-  const int status = pclose(pipe);
-  result.status = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-  return result;
-}
-
-/// a folder of its own, removed at the end
-class SolveCommand : public testing::Test {
- protected:
-  void SetUp() override {
-    folder_ = fs::path(testing::TempDir()) /
-              ("face_fem_" + std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
-    fs::create_directories(folder_);
-  }
-  void TearDown() override { fs::remove_all(folder_); }
-  std::string in(const std::string& name) const { return (folder_ / name).string(); }
-  std::string program() const { return BIN_DIR "/face_fem"; }
-
-  fs::path folder_;
-};
-
-std::map<int, Eigen::Vector3d> displacements(const std::string& path) {
-  std::map<int, Eigen::Vector3d> u;
-  std::ifstream file(path);
-  std::string line;
-  std::getline(file, line);
-  while (std::getline(file, line)) {
-    int node = 0;
-    Eigen::Vector3d v;
-    EXPECT_EQ(std::sscanf(line.c_str(), "%d,%lf,%lf,%lf", &node, &v.x(), &v.y(), &v.z()), 4) << line;
-    u[node] = v;
-  }
-  return u;
-}
+class SolveCommand : public program::InFolder {};
 
 TEST_F(SolveCommand, SolvesWritesAndSumsUp) {
   bodies::Case beam = bodies::twisted_beam(Element::wt, 12, 2, 2, {0, 0, 1});
@@ -130,26 +88,14 @@ class AgainstCalculix : public SolveCommand {
     EXPECT_EQ(ours.status, 0) << ours.text;
     const Finished theirs = run("cd " + folder_.string() + " && OMP_NUM_THREADS=1 ccx job");
     EXPECT_EQ(theirs.status, 0) << theirs.text;
-    const auto u = displacements(in("u.csv"));
-    std::ifstream table(in("job.dat"));
-    double apart = 0, size = 0;
-    std::size_t rows = 0;
-    for (std::string line; std::getline(table, line);) {
-      std::istringstream words(line);
-      int node;
-      Eigen::Vector3d v;
-      if (!(words >> node >> v.x() >> v.y() >> v.z())) continue;
-      apart += (v - u.at(node)).squaredNorm();
-      size += v.squaredNorm();
-      ++rows;
-    }
-    EXPECT_EQ(rows, u.size());
-    return std::sqrt(apart / size);
+    const auto u = displacements(in("u.csv")), v = program::printed(in("job.dat"));
+    EXPECT_EQ(u.size(), v.size());
+    return program::difference(u, v);
   }
 };
 
 TEST_F(AgainstCalculix, TheElementsAreTheSameToThePrintedDigits) {
-  if (std::system("command -v ccx >/dev/null") != 0) GTEST_SKIP() << "CalculiX (ccx) is not installed";
+  if (!program::has_calculix()) GTEST_SKIP() << "CalculiX (ccx) is not installed";
   // CalculiX prints seven digits
   constexpr double printed = 1e-6;
   EXPECT_LE(difference(bodies::twisted_beam(Element::hex8, 12, 2, 2, {0, 0, 1}), Element::hex8), printed);

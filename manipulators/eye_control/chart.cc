@@ -1,7 +1,5 @@
 #include "manipulators/eye_control/chart.h"
 
-#include <time.h>
-
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
@@ -13,6 +11,7 @@
 
 #include "manipulators/eye_control/loop.h"
 #include "manipulators/eye_control/methods.h"
+#include "manipulators/eye_control/processor_time.h"
 #include "manipulators/eye_control/simulate.h"
 #include "objdb/text.h"
 
@@ -53,12 +52,6 @@ class Sheet {
   std::string text_;
   bool first_ = true;
 };
-
-double processor_time() {
-  timespec now;
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
-  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
-}
 
 // -- work and precision
 

@@ -1,11 +1,10 @@
 #include "manipulators/eye_control/eyes.h"
 
-#include <time.h>
-
 #include <algorithm>
 #include <cmath>
 
 #include "manipulators/eye_control/methods.h"
+#include "manipulators/eye_control/processor_time.h"
 #include "objdb/text.h"
 
 namespace eye {
@@ -78,12 +77,6 @@ std::string declarations() {
   text += "field gaze.memory_heads real[] private\nfield gaze.memory_targets real[] private\n";
   text += "field gaze.memory_target ref:node private\n";
   return text;
-}
-
-double processor_time() {
-  timespec now;
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
-  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
 Vector3d vector_of(const Vec3& p) { return {p[0], p[1], p[2]}; }

@@ -1,13 +1,12 @@
 #include "manipulators/eye_control/methods.h"
 
-#include <time.h>
-
 #include <algorithm>
 #include <cmath>
 #include <vector>
 
 #include "manipulators/eye_control/crowd.h"
 #include "manipulators/eye_control/head_follow.h"
+#include "manipulators/eye_control/processor_time.h"
 #include "manipulators/eye_control/simulate.h"
 #include "manipulators/eye_control/tick_world.h"
 
@@ -16,11 +15,11 @@ namespace eye {
 namespace {
 
 constexpr MethodRow rows[] = {{Method::snap, 5.495 * deg, 148e-9},
-                              {Method::saccade_only, 2.514 * deg, 292e-9},
-                              {Method::linear, 0.546 * deg, 296e-9},
+                              {Method::saccade_only, 2.516 * deg, 292e-9},
+                              {Method::linear, 0.543 * deg, 296e-9},
                               {Method::full, 0, 344e-9}};
 
-constexpr double telling = 3e-6;  // of a figure in a tick: lines heard and told, a scene of 1000 figures, s
+constexpr double telling = 4e-6;  // of a figure in a tick: lines heard and told, a scene of 1000 figures, s
 constexpr double length = 60;     // of the standard course, s
 
 // what there is to be seen: every kind of motion a third of the time
@@ -61,12 +60,6 @@ std::vector<Eigen::Vector3d> gazes(Method method) {
   simulate(world, std::make_shared<Parameters>(with(method)), Frame::head,
            [&](const TraceRow&, const Gaze& gaze) { directions.push_back(gaze.eyes().left_direction); });
   return directions;
-}
-
-double processor_time() {
-  timespec now;
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
-  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
 }  // namespace

@@ -9,6 +9,9 @@ namespace {
 
 constexpr double constant = 3 * deg;    // regressor of the constant term: the size of ordinary velocities, rad/s
 constexpr double first_variance = 1e4;  // of the parameters before anything was seen
+constexpr double certain = 1 * deg;     // doubt that counts as much as what is always unknown, rad/s
+constexpr double surprise = 5;          // errors so many times the usual ones are a turn of the motion,
+constexpr double sudden = 3 * deg;      // if they are larger than this, rad/s
 constexpr double quiet = 0.5 * deg;     // speeds below this teach nothing, rad/s
 constexpr double floor = 0.1 * deg;     // errors below this are not worth predicting, rad/s
 constexpr double judgement = 0.35;      // weight of the newest box in the running errors
@@ -33,11 +36,13 @@ void Predictor::close_box() {
   sum_ = count_ = seen_ = 0;
 
   if (visible) {
+    const double usual = error_model_;
     judge();
-    learn();
+    learn(usual);
   } else {
     trust_ *= fading;
   }
+  doubt_ = 0;
   look_ahead();
 }
 
@@ -53,20 +58,28 @@ void Predictor::judge() {
   trust_ = evidence_ < least_evidence ? 0 : std::clamp((skill - 0.5) / 0.4, 0.0, 1.0);
 }
 
-void Predictor::learn() {
+void Predictor::learn(double usual) {
   const std::array<double, 3> phi{box_[1], box_[2], constant};
-  const bool rest = std::abs(box_[0]) < quiet && std::abs(box_[1]) < quiet && std::abs(box_[2]) < quiet;
-  moving_ = rest ? 0 : moving_ + 1;
-  // a start from rest obeys no model of the motion: learn from boxes that lie within the motion only
+  const double error = box_[0] - (theta_[0] * phi[0] + theta_[1] * phi[1] + theta_[2] * phi[2]);
+  const double still = quiet + doubt_;
+  const bool rest = std::abs(box_[0]) < still && std::abs(box_[1]) < still && std::abs(box_[2]) < still;
+  // the target does something else from now on: what was learned counts little against what will be seen
+  const bool turn = error * error > surprise * surprise * usual + sudden * sudden;
+  if (turn) {
+    P_ = {};
+    for (int i = 0; i < 3; ++i) P_[4 * i] = first_variance;
+  }
+  moving_ = rest || turn ? 0 : moving_ + 1;
+  // a start or a turn obeys no model of the motion: learn from boxes that lie within the motion only
   if (moving_ < 4) return;
 
   std::array<double, 3> gain{};
-  double denominator = memory_;
+  const double noise = doubt_ / certain;
+  double denominator = memory_ * (1 + noise * noise);
   for (int i = 0; i < 3; ++i) {
     for (int j = 0; j < 3; ++j) gain[i] += P_[3 * i + j] * phi[j];
     denominator += phi[i] * gain[i];
   }
-  const double error = box_[0] - (theta_[0] * phi[0] + theta_[1] * phi[1] + theta_[2] * phi[2]);
   for (int i = 0; i < 3; ++i) theta_[i] += gain[i] / denominator * error;
   for (int i = 0; i < 3; ++i) {
     for (int j = i; j < 3; ++j) {

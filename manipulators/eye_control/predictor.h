@@ -22,8 +22,10 @@ class Predictor {
   explicit Predictor(const Parameters& p);
 
   /// One internal step of seen velocity, rad/s (its mean over the step). `visible` false: the box is filled with the
-  /// forecast itself, nothing is learned, trust fades. True when the step completed a box.
-  bool see(double velocity, bool visible) {
+  /// forecast itself, nothing is learned, trust fades. `doubt` is how far off the velocity may be, rad/s: it is the
+  /// noise of the observation to the filter. True when the step completed a box.
+  bool see(double velocity, bool visible, double doubt) {
+    doubt_ = doubt > doubt_ ? doubt : doubt_;
     sum_ += velocity;
     count_ += 1;
     seen_ += visible;
@@ -43,8 +45,8 @@ class Predictor {
 
   template <class Visit>
   void each(Visit&& visit) {
-    visit(sum_), visit(count_), visit(seen_), visit(evidence_), visit(moving_), visit(largest_), visit(trust_),
-        visit(error_model_), visit(error_hold_);
+    visit(sum_), visit(count_), visit(seen_), visit(doubt_), visit(evidence_), visit(moving_), visit(largest_),
+        visit(trust_), visit(error_model_), visit(error_hold_);
     for (double& x : box_) visit(x);
     for (double& x : theta_) visit(x);
     for (double& x : P_) visit(x);
@@ -58,12 +60,12 @@ class Predictor {
 
   void close_box();
   void judge();
-  void learn();
+  void learn(double usual);
   void look_ahead();
 
   int steps_;
   double step_, period_, memory_;
-  double sum_ = 0, count_ = 0, seen_ = 0, evidence_ = 0, moving_ = 0, largest_ = 0;
+  double sum_ = 0, count_ = 0, seen_ = 0, doubt_ = 0, evidence_ = 0, moving_ = 0, largest_ = 0;
   double trust_ = 0, error_model_ = 0, error_hold_ = 0;
   std::array<double, 4> box_{};                     ///< last boxes, newest first
   std::array<double, 3> theta_{};                   ///< x_k = theta . (x_{k-1}, x_{k-2}, scale)

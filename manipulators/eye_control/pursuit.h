@@ -87,8 +87,9 @@ class Pursuit {
   };
 
   EYE_INLINE void look(const Memory<W>& memory, int64_t n, const View& view, Seen& seen);
+  EYE_INLINE void feel_head(const Memory<W>& memory, int64_t n);
   EYE_INLINE void predict(const Seen& seen, const Lanes<W>& visible);
-  EYE_INLINE void switch_over(const Memory<W>& memory, int64_t n);
+  EYE_INLINE void switch_over();
   EYE_INLINE Pairs<W> drive(const Pairs<W>& seen, const Pairs<W>& error, double ahead) const;
   Vec2 forecast(size_t i, Vec2 error, double ahead) const;
   EYE_INLINE Pairs<W> acceleration(const Pairs<W>& wanted, const Pairs<W>& command) const;
@@ -178,28 +179,38 @@ void Pursuit<W>::look(const Memory<W>& memory, int64_t n, const View& view, Seen
   s_ = s;
 }
 
+// what moves on the retina while the head turns is put down to the reflex, as far as that may be
+template <int W>
+void Pursuit<W>::feel_head(const Memory<W>& memory, int64_t n) {
+  const Constants k = k_;
+  const Pairs<W>&from = memory[n - k.visual].head, &to = memory[n + 1 - k.visual].head;
+  Lanes<W> speed = s_.head_speed;
+  for (size_t i = 0; i < width; ++i) {
+    const double x = to.x[i] - from.x[i], y = to.y[i] - from.y[i];
+    const double turning = std::sqrt(x * x + y * y) / k.step, remembered = k.forget * speed[i];
+    speed[i] = settled(turning < remembered ? remembered : turning);
+  }
+  s_.head_speed = speed;
+}
+
 template <int W>
 void Pursuit<W>::predict(const Seen& seen, const Lanes<W>& visible) {
   for (size_t i = 0; i < width; ++i) {
     const bool sees = visible[i] != 0;
-    const bool closed = horizontal_[i].see(0.5 * (seen.begin.x[i] + seen.end.x[i]), sees);
-    vertical_[i].see(0.5 * (seen.begin.y[i] + seen.end.y[i]), sees);
+    const double doubt = pursuit_numbers::attributed * s_.head_speed[i];
+    const bool closed = horizontal_[i].see(0.5 * (seen.begin.x[i] + seen.end.x[i]), sees, doubt);
+    vertical_[i].see(0.5 * (seen.begin.y[i] + seen.end.y[i]), sees, doubt);
     if (closed) s_.trust.put(i, {horizontal_[i].trust(), vertical_[i].trust()});
   }
 }
 
-// pursuit starts and ends as a whole; fixation is not pursuit of a target at rest, and what is seen to move while the
-// head turns is put down to the reflex as far as that may be
+// pursuit starts and ends as a whole; fixation is not pursuit of a target at rest
 template <int W>
-void Pursuit<W>::switch_over(const Memory<W>& memory, int64_t n) {
+void Pursuit<W>::switch_over() {
   using namespace pursuit_numbers;
   const Constants k = k_;
-  const Pairs<W>&from = memory[n - k.visual].head, &to = memory[n + 1 - k.visual].head;
   State s = s_;
   for (size_t i = 0; i < width; ++i) {
-    const double x = to.x[i] - from.x[i], y = to.y[i] - from.y[i];
-    const double turning = std::sqrt(x * x + y * y) / k.step, remembered = k.forget * s.head_speed[i];
-    s.head_speed[i] = settled(turning < remembered ? remembered : turning);
     const double reflex = attributed * s.head_speed[i], on = k.on + reflex, off = k.off + reflex;
     const double speed2 = s.seen.x[i] * s.seen.x[i] + s.seen.y[i] * s.seen.y[i];
     s.still[i] = speed2 < off * off ? s.still[i] + 1 : 0;
@@ -209,7 +220,7 @@ void Pursuit<W>::switch_over(const Memory<W>& memory, int64_t n) {
     const double ended = s.still[i] > k.hold ? 0 : started;
     s.active[i] = expected != 0 ? 1 : ended;
   }
-  s_.head_speed = s.head_speed, s_.still = s.still, s_.active = s.active;
+  s_.still = s.still, s_.active = s.active;
 }
 
 // the premotor input `ahead` of the last seen step: what is seen, as far as the forecast is not trusted
@@ -282,9 +293,10 @@ template <int W>
 void Pursuit<W>::advance(const Memory<W>& memory, int64_t n, const View& view, Moment<W>& next, Pairs<W>& moved) {
   Seen seen;
   look(memory, n, view, seen);
+  feel_head(memory, n);
   if (k_.predicting) predict(seen, view.visible);
   if (k_.switched) {
-    switch_over(memory, n);
+    switch_over();
   } else {
     s_.active.fill(1);
   }

@@ -174,25 +174,27 @@ do for [kind in "svg png"] {
   # beside recordings of people
   if (there(pursuit_people) && there(saccades_people) && there(sequence_people)) {
     set output sprintf("%s/eye_people.%s", out, kind)
-    set multiplot layout 1,4 title "The model beside recordings"
+    set multiplot layout 1,4 title "The model beside recordings (* hidden from the people for two stretches, never from the model)"
     do for [c in "FS SS"] {
-      set title c eq "FS" ? "a sine of 22 deg/s, hidden twice from the people" : "a sine of 18 deg/s, likewise"
+      set title (c eq "FS" ? "sine of 22 deg/s *" : "sine of 18 deg/s *")
       set xlabel "time, s"
       set ylabel "gaze minus target, deg"
       set yrange [-2:2]
       set key bottom left
-      plot "< zcat " . pursuit_people using (strcol(1) eq c && int($2) % 10 == 0 ? $2 / 1000 : NaN):($6 - $5) with lines ls 2 title "people, mean", \
-           file("recorded_pursuit") using (strcol(1) eq c ? $2 : NaN):($4 - $3) with lines ls 1 title "model, never hidden"
+      plot sprintf("< zcat %s | awk -F, '$1 == \"%s\" && $2 %% 10 == 0'", pursuit_people, c) using ($2 / 1000):($6 - $5) with lines ls 2 title "people", \
+           file("recorded_pursuit") using (strcol(1) eq c ? $2 : NaN):($4 - $3) with lines ls 1 title "model"
     }
+    set autoscale
+    chosen = "< awk -F, '$2 > 75 && $2 < 600 && $8 > 3 && !seen[$1]++ { print $2 }' " . saccades_people . " | sort -n"
+    stats chosen using 1 nooutput
     set title "latency of saccades"
     set xlabel "latency, ms"
     set ylabel "share"
     set xrange [80:400]
     set yrange [0:1]
     set key bottom right
-    stats saccades_people using (strcol(2) ne "" && $2 > 75 && $2 < 600 && $8 > 3 ? $2 : NaN) nooutput
-    plot saccades_people using (strcol(2) ne "" && $2 > 75 && $2 < 600 && $8 > 3 ? $2 : NaN):(1.0) smooth cnormal with steps ls 2 title "people, distractors", \
-         file("latencies") using 2:1 with lines ls 1 title "model, later sigma 1"
+    plot chosen using 1:(($0 + 0.5) / STATS_records) with steps ls 2 title "people", \
+         file("latencies") using 2:1 with lines ls 1 title "model"
     set autoscale
     set title "main sequence"
     set xlabel "amplitude, deg"
@@ -211,10 +213,13 @@ do for [kind in "svg png"] {
     set output sprintf("%s/eye_scene.%s", out, kind)
     set multiplot layout 2,1 title "The sailor follows a ball (scripts/scenes/follow.dlg)"
     unset title
-    set xrange [0:14.5]
-    set xtics 1
+    set xlabel ""
+    set lmargin 9
+    set xrange [0:22.5]
+    set yrange [-60:40]
+    set xtics 2
     set ylabel "to the right, deg"
-    set key top right horizontal
+    set key bottom right horizontal
     a = 0.028873471; b = 0.030147129; c = 0.085137362
     plot scene using 1:(degrees(atan2(-($2 - $5 - turned_x($8, $9, $10, $11, a, b, c)), $4 - $7 - turned_z($8, $9, $10, $11, a, b, c)))) with lines ls 6 title "ball, seen from the left eye", \
          scene using 1:(right_of($12, $13, $14, $15)) with lines ls 1 title "gaze of that eye", \
@@ -222,12 +227,14 @@ do for [kind in "svg png"] {
     set xlabel "time, s"
     set ylabel "deg"
     set yrange [0:12]
+    set key top right horizontal
     plot scene using 1:(degrees($16)) with lines ls 4 title "gaze error", \
          scene using 1:(degrees($17)) with lines ls 3 title "vergence", \
          scene using 1:(10 * $18) with lines ls 7 title "trust in the forecast, tenths"
     unset multiplot
     set autoscale
     set xtics auto
+    unset lmargin
   }
 
   # what the methods cost and are worth
@@ -238,7 +245,7 @@ do for [kind in "svg png"] {
   set xrange [0:450]
   set yrange [-0.5:7]
   set key off
-  plot file("methods") using 3:2 with linespoints ls 1, "" using 3:2:1 with labels offset 0,1.2
+  plot file("methods") using 3:2 with linespoints ls 1, "" using 3:2:1 with labels offset 0,1.2 noenhanced
   set key on
   set autoscale
   unset title

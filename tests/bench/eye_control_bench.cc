@@ -1,5 +1,3 @@
-#include <time.h>
-
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -8,6 +6,7 @@
 
 #include "manipulators/eye_control/gaze.h"
 #include "manipulators/eye_control/loop.h"
+#include "manipulators/eye_control/processor_time.h"
 
 // What the eyes cost, beside simpler ways in the same run. An eye-axis millisecond is one component of one eye over one
 // internal step; a figure has four (two eyes, horizontal and vertical), and vergence besides.
@@ -15,12 +14,6 @@
 namespace {
 
 using namespace eye;
-
-double processor_time() {
-  timespec now;
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
-  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
-}
 
 // median over `rounds` of the processor time of one call, s
 template <class Call>

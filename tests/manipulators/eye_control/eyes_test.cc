@@ -264,8 +264,8 @@ TEST(Eyes, ChooseTheirMethodByTheBudget) {
                                                        {"budget error 0.01", "linear"},
                                                        {"budget error 0.001", "full"},
                                                        {"budget time 0.001", "full"},
-                                                       {"budget time 0.0000081", "linear"},
-                                                       {"budget time 0.000006", "snap"},
+                                                       {"budget time 0.0000092", "linear"},
+                                                       {"budget time 0.000007", "snap"},
                                                        {"budget time 0.0000001", "snap"}};
   for (const auto& [line, method] : cases) {
     Dialogue d;

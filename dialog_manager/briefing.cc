@@ -28,8 +28,8 @@ void drop_dead(Value& value, const Database& world) {
 
 }  // namespace
 
-Briefing::Briefing(Database& world, const Declaration& declaration, std::string serving)
-    : world_(world), declaration_(declaration), serving_(std::move(serving)) {}
+Briefing::Briefing(Database& world, SharedArrays& arrays, const Declaration& declaration, std::string serving)
+    : world_(world), arrays_(arrays), declaration_(declaration), serving_(std::move(serving)) {}
 
 Briefing::~Briefing() { end(); }
 
@@ -177,7 +177,7 @@ void Briefing::own(Tale& tale) {
     if (object->place && field == scene::Scene::parent)
       moved.push_back(id);
     else
-      append_set(tale.text, world_, *object, field);
+      say(*object, field, tale, false, false);
   }
   for (const ObjectId node : world_.scene().top_down(moved))
     append_set(tale.text, world_, *world_.object(node), scene::Scene::parent);
@@ -185,22 +185,68 @@ void Briefing::own(Tale& tale) {
 
 // -- what changed
 
-void Briefing::say(const Object& object, int field, Tale& tale) { append_set(tale.text, world_, object, field); }
+// a long array: how the program is told of it now, and what it is told when it must be told again
+Tale::Put Briefing::put(const Object& object, int field, bool in_tick, bool live) {
+  Tale::Put out{0, {}, arrays_.frame(object, field)};
+  if (!live) return out;
+  const SharedArrays::Announced* announced =
+      in_tick && declaration_.shares_arrays() ? arrays_.announced(object, field) : nullptr;
+  if (announced == nullptr) {
+    append_set(out.line, world_, object, field);
+    return out;
+  }
+  const std::string head = object.path + "." + object.type->field(field).name;
+  std::uint64_t& shown = shown_[{object.id, field}];
+  if (shown != announced->memory->serial()) {
+    shown = announced->memory->serial();
+    out.line = "array " + head + " read=" + announced->memory->path() +
+               " capacity=" + std::to_string(announced->memory->capacity()) + "\n";
+  }
+  out.line += "put " + head + " slot=" + std::to_string(announced->sequence % ArrayMemory::slots) +
+              " seq=" + std::to_string(announced->sequence) + "\n";
+  return out;
+}
 
-void Briefing::say_held(Tale& tale) {
+void Briefing::say(const Object& object, int field, Tale& tale, bool in_tick, bool live) {
+  if (!is_long(object.value(field))) {
+    append_set(tale.text, world_, object, field);
+    return;
+  }
+  tale.puts.push_back(put(object, field, in_tick, live));
+  tale.puts.back().at = tale.text.size();
+}
+
+void Briefing::hold(const Object& object, int field, bool live) {
+  if (is_long(object.value(field)))
+    held_.push_back({object.id, field, {}, put(object, field, true, live)});
+  else
+    held_.push_back({object.id, field, world_.value(object, field), {}});
+}
+
+void Briefing::say_held(Tale& tale, bool in_tick, bool live) {
   const std::vector<Held> held = std::move(held_);
   held_.clear();
   for (const Held& each : held) {
     const Object* object = world_.object(each.object);
     if (object == nullptr || !told(each.object)) continue;
     const Field& field = object->type->field(each.field);
+    if (each.put.frame) {
+      tale.puts.push_back(each.put);
+      tale.puts.back().at = tale.text.size();
+      // outside of a tick the memory may be filled anew before the program has read it
+      if (!in_tick && live) {
+        tale.puts.back().line.clear();
+        append_set(tale.puts.back().line, world_, object->path, field, each.put.frame->values);
+      }
+      continue;
+    }
     Value value = each.value;
     if (field.holds_refs()) drop_dead(value, world_);
     append_set(tale.text, world_, object->path, field, value);
   }
 }
 
-void Briefing::changes(Tale& tale, std::uint64_t tick) {
+void Briefing::changes(Tale& tale, std::uint64_t tick, bool live) {
   if (new_fields_) {
     new_fields_ = false;
     const std::vector<const Type*> types = told_types_;
@@ -229,7 +275,7 @@ void Briefing::changes(Tale& tale, std::uint64_t tick) {
   introduce(tale, fresh_);
 
   // what a delayed read held back in the last tick comes before the news
-  say_held(tale);
+  say_held(tale, tick != 0, live);
   for (const auto& [object, field] : changes) {
     if (std::binary_search(fresh_.begin(), fresh_.end(), object,
                            [](const Object* a, const Object* b) { return a->id < b->id; }))
@@ -239,9 +285,9 @@ void Briefing::changes(Tale& tale, std::uint64_t tick) {
     if (slot.origin.source == reader_ && !object->type->field(field).derived) continue;
     const bool delayed = interest(*object->type).fields[static_cast<std::size_t>(field)] == 2;
     if (delayed && tick != 0 && slot.origin.tick == tick)
-      held_.push_back({object->id, field, world_.value(*object, field)});
+      hold(*object, field, live);
     else
-      say(*object, field, tale);
+      say(*object, field, tale, tick != 0, live);
   }
   fresh_.clear();
 }

@@ -60,6 +60,7 @@ struct Call {
   objdb::Words words;     ///< after the verb
   std::string_view line;  ///< the whole line
   std::string& out;       ///< body of the reply, lines with their newlines
+  std::string kept = {};  ///< what the journal keeps in the place of the line, "" for the line itself
 
   /// The line from word `index` on: a command within a command.
   std::string_view rest(std::size_t index) const;

@@ -119,6 +119,8 @@ Result<std::unique_ptr<Journal>> Journal::create(const std::string& path, Sync s
     return Error{ErrorKind::exists, "journal " + path + " is another file, expected a new one or a journal", 0};
   if (::fchmod((*journal)->file_, 0600) != 0) return io_error(path, "cannot be kept from others");
   if (::ftruncate((*journal)->file_, 0) != 0) return io_error(path, "cannot be emptied");
+  // arrays of a journal that stood here before
+  ::unlink(ArrayFile::path_of(path).c_str());
   std::string first = std::string(heading) + " tick=" + std::to_string(start.tick) + " time=" + number(start.time) +
                       " rate=" + number(start.rate) + " seed=" + std::to_string(start.seed);
   if (Status room = (*journal)->reserve(first.size() + 16); !room) return room.error();
@@ -170,6 +172,15 @@ Status Journal::reserve_tick() {
   return reserve(2 * longest_tick_ + closing_line);
 }
 
+Result<std::string> Journal::add_array(std::span<const double> numbers) {
+  if (!arrays_) {
+    Result<std::unique_ptr<ArrayFile>> opened = ArrayFile::open(ArrayFile::path_of(path_));
+    if (!opened) return opened.error();
+    arrays_ = std::move(*opened);
+  }
+  return arrays_->add(numbers);
+}
+
 void Journal::add(std::uint64_t tick, std::string_view source, std::string_view prefix, std::string_view line) {
   const std::size_t start = buffer_.size();
   buffer_ += "........ ";
@@ -215,7 +226,8 @@ Status Journal::flush(bool tick_ended) {
                    (sync_ == Sync::everysec && now - synced_at_ > std::chrono::seconds(1));
   if (!due) return kept_;
   // after a failure the system may have dropped what it could not write: to ask again would be answered falsely
-  if (::fdatasync(file_) != 0) kept_ = io_error(path_, "cannot be written to its disk");
+  if ((arrays_ && !arrays_->sync()) || ::fdatasync(file_) != 0)
+    kept_ = io_error(path_, "cannot be written to its disk");
   synced_at_ = now;
   unsynced_ = false;
   return kept_;
@@ -236,6 +248,7 @@ Result<JournalText> read_journal(const std::string& path) {
   const std::string text = content.str();
 
   JournalText out;
+  out.path = path;
   std::vector<Record> held;  // lines of a tick that has not ended yet
   std::uint64_t check = 0;
   std::size_t at = 0;

@@ -4,10 +4,12 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "dialog_manager/array_file.h"
 #include "objdb/result.h"
 
 namespace manager {
@@ -46,6 +48,8 @@ class Journal {
   objdb::Status reserve(std::size_t bytes);
   /// The same for a whole tick, as long as twice the longest so far.
   objdb::Status reserve_tick();
+  /// Keeps the numbers of a long array beside the journal: the words that tell where. Error io.
+  objdb::Result<std::string> add_array(std::span<const double> numbers);
   void add(std::uint64_t tick, std::string_view source, std::string_view prefix, std::string_view line);
   /// Hands what was added to the system, and to the disk as the policy wants it. Call before acknowledging. Error io:
   /// the disk breaks, and what was added since the last good call may be lost; every later call says so again.
@@ -68,11 +72,13 @@ class Journal {
   std::size_t longest_tick_ = 0;
   bool unsynced_ = false;
   objdb::Status kept_;
+  std::unique_ptr<ArrayFile> arrays_;  // from the first array on
   std::chrono::steady_clock::time_point synced_at_{};
 };
 
 /// A journal as it was read: everything up to the last line that is whole, the lines of a tick only when the tick is.
 struct JournalText {
+  std::string path;
   JournalStart start;
   std::vector<Record> records;
   std::size_t good = 0;     ///< bytes of the file up to there

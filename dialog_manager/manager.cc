@@ -289,7 +289,7 @@ Outcome Manager::execute(Source& source, Session* session, const LineWords& word
     return outcome;
   }
 
-  world.speak_as({lines.add(line), static_cast<std::uint32_t>(clock.tick() + (tick_in_flight() ? 1 : 0)), source.id});
+  speak_as(source, line);
   const std::uint64_t mark = world.mark();
   Outcome outcome = command->run(call);
   ++counters.lines;
@@ -298,12 +298,16 @@ Outcome Manager::execute(Source& source, Session* session, const LineWords& word
     return outcome;
   }
   monitor(source, line);
-  if (kept) journal(source, scope.prefix, line);
+  if (kept) journal(source, scope.prefix, call.kept.empty() ? line : call.kept);
   if (world.mark() != mark && !in_transaction() && !tick_in_flight()) {
     undo_marks_.push_back(mark);
     redo_.clear();
   }
   return outcome;
+}
+
+void Manager::speak_as(const Source& source, std::string_view line) {
+  world.speak_as({lines.add(line), static_cast<std::uint32_t>(clock.tick() + (in_tick() ? 1 : 0)), source.id});
 }
 
 // --check makes the objects of a script, so that what is said of them can be checked; nothing else happens
@@ -487,8 +491,10 @@ bool Manager::open_journals() {
 }
 
 void Manager::replay_tick() {
+  replaying_tick_ = false;
   undo_marks_.clear();
   redo_.clear();
+  world.forget_history();
   clock.advance();
   // what was put off has been said by the journal too
   (void)schedule.take_due(clock.time(), world);
@@ -496,7 +502,7 @@ void Manager::replay_tick() {
 
 void Manager::end_replay(bool live) {
   if (transaction_ != nullptr) (void)roll_back(*transaction_);
-  replaying_ = false;
+  replaying_ = replaying_tick_ = false;
   if (live)
     for (const auto& manipulator : manipulators_) manipulator->catch_up();
   if (rewinding_ && journal_) {
@@ -688,9 +694,10 @@ void Manager::begin_tick() {
       break_tick(room.error());
       return;
     }
-  // what was taken back cannot be done again in another time
+  // what was done before cannot be taken back, nor done again, in another time
   undo_marks_.clear();
   redo_.clear();
+  world.forget_history();
   stage_ = 0;
   next_stage();
 }

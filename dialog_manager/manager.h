@@ -15,6 +15,7 @@
 #include "dialog_manager/prompt.h"
 #include "dialog_manager/schedule.h"
 #include "dialog_manager/session.h"
+#include "dialog_manager/shared_arrays.h"
 #include "dialog_manager/trace.h"
 #include "objdb/database.h"
 
@@ -57,6 +58,7 @@ class Manager {
   Clock clock;
   Schedule schedule;
   LineLog lines;
+  SharedArrays arrays;
 
   // -- commands
   /// Carries out one line: finds its verb, checks, runs. What failed has changed nothing.
@@ -65,6 +67,8 @@ class Manager {
   /// The name of a source by its number.
   std::string source_name(std::uint16_t id) const;
   const Options& options() const { return options_; }
+  /// "PATH,WORD": a program that finds WORD in PATH can open what this process has open; "": there is none.
+  const std::string& probe() const { return probe_.text(); }
 
   // -- transactions and undo
   objdb::Status begin(Session& session);
@@ -92,6 +96,12 @@ class Manager {
   void journal_checkpoint(std::string_view program, bool ended);
   bool replaying() const { return replaying_; }
   void replaying(bool replaying) { replaying_ = replaying; }
+  /// The lines that the journal says next belong to a tick that it has not closed yet.
+  void replaying_tick(bool inside) { replaying_tick_ = inside; }
+  /// Is what is said now said in a tick, of which other programs' delayed reads see nothing yet?
+  bool in_tick() const { return tick_in_flight() || replaying_tick_; }
+  /// Who says the next changes, by this line.
+  void speak_as(const Source& source, std::string_view line);
   void replay_tick();
   /// The journal has been carried out; programs that were started on the way take up where they were.
   void end_replay(bool live);
@@ -146,7 +156,7 @@ class Manager {
   /// last time; 0: never for this reason.
   struct Checkpoints {
     std::uint64_t ticks = 60;
-    std::size_t bytes = 4u << 20;
+    std::size_t bytes = 16u << 20;
   } checkpoints;
   objdb::Result<Manipulator*> start(const std::string& program, const std::string& as,
                                     const std::vector<std::string>& launcher, const std::string& serving,
@@ -203,6 +213,7 @@ class Manager {
   void open_streams();
 
   Options options_;
+  ArrayProbe probe_;
   channel::Loop loop_;
   channel::Writer out_, errors_;
   std::vector<std::string> source_names_;
@@ -225,7 +236,7 @@ class Manager {
   std::unique_ptr<Journal> journal_;
   bool journal_lost_ = false;  // it could not be written: this is the end
   Budget budget_;
-  bool replaying_ = false;
+  bool replaying_ = false, replaying_tick_ = false;
   std::optional<double> rewinding_;  // to note in the journal when it is done
   std::size_t resume_good_ = 0;
   std::uint64_t resume_check_ = 0;

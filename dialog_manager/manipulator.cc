@@ -6,8 +6,10 @@
 #include <charconv>
 #include <cmath>
 #include <csignal>
+#include <utility>
 
 #include "dialog_manager/manager.h"
+#include "dialog_manager/put_words.h"
 
 namespace manager {
 namespace {
@@ -73,7 +75,7 @@ Manipulator::Manipulator(Manager& manager, std::string program_name, std::string
     : manager_(manager),
       program_(std::move(program)),
       argv_(std::move(argv)),
-      briefing_(manager.world, declared_, std::move(serving)) {
+      briefing_(manager.world, manager.arrays, declared_, std::move(serving)) {
   name = std::move(program_name);
   gate = this;
 }
@@ -104,6 +106,9 @@ Status Manipulator::launch() {
   starts_.push_back(Wall::now());
   deadline_ = Wall::now() + handshake_limit;
   declaring_ = {};
+  granted_.clear();
+  long_sets_.clear();
+  briefing_.begin_life();
   hello();
   return {};
 }
@@ -112,7 +117,8 @@ void Manipulator::hello() {
   // another life of the program hears what the first one heard
   if (hello_.empty()) {
     hello_ = "hello protocol=1 name=" + name + " seed=" + std::to_string(manager_.options().seed) +
-             " tick=" + number(manager_.clock.step()) + " arrays=text schema=";
+             " tick=" + number(manager_.clock.step()) +
+             (manager_.probe().empty() ? " arrays=text" : " arrays=shm probe=" + manager_.probe()) + " schema=";
     static constexpr char digits[] = "0123456789abcdef";
     const std::uint64_t schema = manager_.world.schema().hash();
     for (int shift = 60; shift >= 0; shift -= 4) hello_ += digits[(schema >> shift) & 15];
@@ -378,6 +384,7 @@ void Manipulator::receive(std::string_view line) {
     set_deadline();
     if (repetition_.heard_before(line)) return;
   }
+  if (line.starts_with("put ") && !fill(line)) return;
   if (line.starts_with("done") && (line.size() == 4 || line[4] == ' '))
     done(line);
   else if (line.starts_with("@"))
@@ -440,6 +447,7 @@ void Manipulator::said(std::string_view line) {
     return;
   }
   refused_in_row_ = 0;
+  note_long(line);
   // a program may ask too; its answers look like everyone's
   std::string_view rest = body;
   while (!rest.empty() && input_) {
@@ -550,7 +558,8 @@ void Manipulator::tell_to_act(std::string_view line) {
 void Manipulator::tell_changes() {
   if (!briefing_.begun()) return;
   Tale tale;
-  briefing_.changes(tale, manager_.tick_in_flight() ? manager_.clock.tick() + 1 : 0);
+  briefing_.changes(tale, manager_.in_tick() ? manager_.clock.tick() + 1 : 0,
+                    !manager_.replaying() && state_ == State::active);
   tell(tale);
 }
 
@@ -568,6 +577,7 @@ void Manipulator::forget_the_past() {
 void Manipulator::tell_again() {
   if (answering()) {
     answer_.clear();
+    filled_.clear();
     answered_ = false;
   }
   reply_body_.clear();
@@ -633,7 +643,83 @@ void Manipulator::apply_answer() {
   const std::string answer = std::move(answer_);
   answer_.clear();
   for_each_line(answer, [this](std::string_view line) { said(line); });
+  filled_.clear();
+  grant();
   flush();
+}
+
+// -- arrays in shared memory
+
+// "put PATH.FIELD slot=K seq=N": the numbers are taken as soon as they are announced. False: it was refused.
+bool Manipulator::fill(std::string_view line) {
+  const Status read = read_filled(line);
+  if (!read) refuse(read.error());
+  return read.ok();
+}
+
+Status Manipulator::read_filled(std::string_view line) {
+  if (Status split = words_.split(line); !split) return split;
+  const Words words = words_.words();
+  std::uint64_t slot = 0, sequence = 0;
+  if (Status parsed = parse_put(words, slot, sequence); !parsed) return parsed;
+  const auto found = granted_.find(words[1].text);
+  if (found == granted_.end() || !found->second.memory)
+    return error_at(words[1], ErrorKind::owner,
+                    name + " was given no memory for " + shown(words[1].text) + ", expected its value as text");
+  Granted& granted = found->second;
+  if (sequence != granted.sequence + 1)
+    return error_at(words[3], ErrorKind::range,
+                    "seq is " + std::to_string(sequence) + ", expected " + std::to_string(granted.sequence + 1));
+  if (slot != sequence % ArrayMemory::slots)
+    return error_at(words[2], ErrorKind::range,
+                    "slot is " + std::to_string(slot) + ", expected " + std::to_string(sequence % ArrayMemory::slots) +
+                        " (seq modulo " + std::to_string(ArrayMemory::slots) + ")");
+  Result<std::vector<double>> numbers = granted.memory->read(sequence);
+  if (!numbers) return error_at(words[1], numbers.error().kind, numbers.error().sentence);
+  granted.sequence = sequence;
+  filled_.push_back({std::string(words[1].text), sequence, granted.memory, std::move(*numbers)});
+  return {};
+}
+
+Result<Manipulator::Filled> Manipulator::take_filled(std::string_view target, std::uint64_t sequence) {
+  const auto found = std::find_if(filled_.begin(), filled_.end(), [&](const Filled& each) {
+    return each.target == target && each.sequence == sequence;
+  });
+  if (found == filled_.end())
+    return Error{ErrorKind::unknown, "seq " + std::to_string(sequence) + " of " + shown(target) + " is not filled", 0};
+  Filled filled = std::move(*found);
+  filled_.erase(found);
+  return filled;
+}
+
+// what it said as a long text it could say shorter
+void Manipulator::note_long(std::string_view line) {
+  if (!declared_.shares_arrays() || line.size() < 2 * long_array || !line.starts_with("set ")) return;
+  const Result<Target> target = parse_target(words_.words()[1]);
+  if (target) long_sets_.insert(std::string(target->pattern) + "." + std::string(target->field));
+}
+
+void Manipulator::grant() {
+  for (const std::string& name_of_field : std::exchange(long_sets_, {})) {
+    const std::size_t dot = name_of_field.find('.');
+    const Object* object = manager_.world.find(std::string_view(name_of_field).substr(0, dot));
+    const int field = object == nullptr ? -1 : object->type->find(std::string_view(name_of_field).substr(dot + 1));
+    if (field < 0 || !is_long(object->value(field))) continue;
+    const std::size_t wanted = std::get<std::vector<double>>(object->value(field)).size();
+    Granted& granted = granted_[name_of_field];
+    if (granted.wanted >= wanted) continue;
+    granted.wanted = wanted;
+    Result<std::shared_ptr<ArrayMemory>> made = ArrayMemory::make(wanted);
+    if (!made) {
+      // it goes on as text
+      manager_.event("event array " + name_of_field + " stays text: " + made.error().sentence);
+      continue;
+    }
+    granted.memory = std::move(*made);
+    granted.sequence = 0;
+    manager_.arrays.forget_dead(manager_.world);
+    say("array " + name_of_field + " fill=" + granted.memory->path() + " capacity=" + std::to_string(wanted) + "\n");
+  }
 }
 
 // -- checkpoints

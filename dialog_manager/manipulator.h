@@ -1,8 +1,10 @@
 #pragma once
 
 #include <deque>
+#include <map>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -75,6 +77,16 @@ class Manipulator : public Source, public objdb::Gate {
   /// Bytes that a restart would tell it.
   std::size_t log_bytes() const { return log_.bytes(); }
 
+  // -- arrays in shared memory
+  /// The numbers that it announced as this sequence of a field; said and read already. Error unknown.
+  struct Filled {
+    std::string target;  // PATH.FIELD
+    std::uint64_t sequence = 0;
+    std::shared_ptr<ArrayMemory> memory;
+    std::vector<double> numbers;
+  };
+  objdb::Result<Filled> take_filled(std::string_view target, std::uint64_t sequence);
+
   // -- a life that is made again from a journal: it is told everything at its end, and says it all again
   void spoke_before();
   void asked_before(std::uint64_t number, std::string_view line);
@@ -138,6 +150,12 @@ class Manipulator : public Source, public objdb::Gate {
   void refuse(const objdb::Error& error);
   bool writes_down(std::string_view line);
 
+  // arrays
+  bool fill(std::string_view line);
+  objdb::Status read_filled(std::string_view line);
+  void note_long(std::string_view line);
+  void grant();
+
   // what it is told
   void tell_changes();
   void tell_again();
@@ -179,6 +197,15 @@ class Manipulator : public Source, public objdb::Gate {
   std::uint64_t next_request_ = 1;
   std::vector<std::pair<std::uint64_t, std::optional<Reply>>> requests_;
   std::string reply_body_;
+
+  struct Granted {  // memory that this life of it may fill
+    std::shared_ptr<ArrayMemory> memory;
+    std::size_t wanted = 0;
+    std::uint64_t sequence = 0;
+  };
+  std::map<std::string, Granted, std::less<>> granted_;  // by PATH.FIELD
+  std::set<std::string, std::less<>> long_sets_;         // long arrays that it said as text
+  std::deque<Filled> filled_;
 
   std::uint64_t checkpoint_tick_ = 0, first_tick_ = 0;
   bool checkpoint_wanted_ = false;

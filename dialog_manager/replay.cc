@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <charconv>
 
+#include "dialog_manager/array_file.h"
 #include "dialog_manager/manager.h"
 
 namespace manager {
@@ -91,6 +92,7 @@ class Replay : public Operation {
   }
 
   Status carry_out(Manager& manager, const Record& record) {
+    manager.replaying_tick(record.tick > manager.clock.tick() || record.source == tick_source);
     if (record.source == tick_source) return close_tick(manager, record);
     if (record.source == ask_source) return ask(manager, record);
     if (record.source == checkpoint_source) return checkpoint(manager, record);
@@ -103,12 +105,32 @@ class Replay : public Operation {
     Source source;
     source.id = manager.add_source(record.source);
     source.name = record.source;
-    if (live_) source.gate = manager.find_manipulator(record.source);
+    // so that it owns what it wrote
+    if (live_ && (verb == "set" || verb == "put")) source.gate = manager.find_manipulator(record.source);
+    if (verb == "put") return restore_array(manager, source, record);
     std::string body;
     const Scope scope{record.prefix};
     Outcome outcome = manager.execute(source, manager.main_session(), words_, record.line, scope, body);
     inner_ = std::move(outcome.operation);
     return outcome.status;
+  }
+
+  // "put PATH.FIELD count=N at=BYTE check=HEX": the numbers stand beside the journal
+  Status restore_array(Manager& manager, const Source& source, const Record& record) {
+    const Words words = words_.words();
+    if (words.size() != 5) return Error{ErrorKind::syntax, "expected put PATH.FIELD count=N at=BYTE check=HEX", 0};
+    const Result<Target> target = parse_target(words[1]);
+    if (!target) return target.error();
+    const Result<const Object*> object = find_object(manager.world, {target->pattern, 0, false}, {});
+    if (!object) return object.error();
+    const Result<int> field = find_field(**object, target->field, 0);
+    if (!field) return field.error();
+    if (source.gate != nullptr)
+      if (Status allowed = source.gate->may_write(**object, *field); !allowed) return allowed;
+    Result<std::vector<double>> numbers = ArrayFile::read(ArrayFile::path_of(text_.path), words.subspan(2));
+    if (!numbers) return numbers.error();
+    manager.speak_as(source, record.line);
+    return manager.world.set(**object, *field, std::move(*numbers));
   }
 
   // lines of a tick come in the order of stages: who stands in a stage is told before what that stage said counts

@@ -22,10 +22,16 @@ std::size_t bytes_of(const Frame* frame) {
 }  // namespace
 
 void ToldLog::add(Pieces& to, bool act, std::string_view text, std::shared_ptr<const Frame> frame) {
-  to.bytes += text.size() + bytes_of(frame.get());
+  to.text += text.size();
+  to.frames += bytes_of(frame.get());
   if (to.pieces.empty() || to.pieces.back().act != act || to.pieces.back().frame) to.pieces.push_back({act, {}, {}});
   to.pieces.back().text += text;
   to.pieces.back().frame = std::move(frame);
+}
+
+void ToldLog::drop_frame(Pieces& from, Piece& piece) {
+  from.frames -= bytes_of(piece.frame.get());
+  piece.frame.reset();
 }
 
 void ToldLog::add(Pieces& to, const Tale& tale) {
@@ -56,7 +62,8 @@ void ToldLog::limit() {
 }
 
 bool ToldLog::wants_whole() const {
-  return changes_.bytes + since_.bytes > std::max(least_changes, whole_.bytes + own_.bytes);
+  // of arrays only the last is kept, however often they change
+  return changes_.text + since_.text > std::max(least_changes, whole_.text + own_.text);
 }
 
 void ToldLog::checkpoint(const Tale& own, const Tale* whole) {
@@ -66,13 +73,12 @@ void ToldLog::checkpoint(const Tale& own, const Tale* whole) {
   } else {
     // of an array that was told several times only the last counts
     std::set<std::string, std::less<>> later;
-    std::vector<bool> last(since_.pieces.size());
-    for (std::size_t i = since_.pieces.size(); i-- > 0;)
-      if (const Frame* frame = since_.pieces[i].frame.get())
-        last[i] = later.insert(frame->path + "." + frame->field->name).second;
-    for (std::size_t i = 0; i < since_.pieces.size(); ++i)
-      if (Piece& piece = since_.pieces[i]; !piece.act)
-        add(changes_, false, piece.text, last[i] ? std::move(piece.frame) : nullptr);
+    for (Pieces* all : {&since_, &changes_})
+      for (auto piece = all->pieces.rbegin(); piece != all->pieces.rend(); ++piece)
+        if (piece->frame && !later.insert(piece->frame->path + "." + piece->frame->field->name).second)
+          drop_frame(*all, *piece);
+    for (Piece& piece : since_.pieces)
+      if (!piece.act) add(changes_, false, piece.text, std::move(piece.frame));
   }
   own_ = since_ = {};
   add(own_, own);

@@ -44,9 +44,10 @@ class ToldLog {
   };
   struct Pieces {
     std::vector<Piece> pieces;
-    std::size_t bytes = 0;
+    std::size_t text = 0, frames = 0;  // bytes
   };
-  static std::size_t size_of(const Pieces& all) { return all.bytes; }
+  static std::size_t size_of(const Pieces& all) { return all.text + all.frames; }
+  static void drop_frame(Pieces& from, Piece& piece);
   static void add(Pieces& to, bool act, std::string_view text, std::shared_ptr<const Frame> frame);
   static void add(Pieces& to, const Tale& tale);
   void limit();

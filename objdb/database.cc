@@ -320,6 +320,11 @@ void Database::keep_history(std::size_t limit) {
   trim_history();
 }
 
+void Database::forget_history() {
+  history_base_ += history_.size();
+  history_.clear();
+}
+
 void Database::trim_history() {
   while (history_.size() > history_limit_) {
     history_.pop_front();

@@ -84,6 +84,8 @@ class Database : public Names {
   std::uint64_t mark() const { return history_base_ + history_.size(); }
   /// The oldest point that can still be returned to.
   std::uint64_t oldest_mark() const { return history_base_; }
+  /// Nothing that happened so far will be taken back.
+  void forget_history();
   /// Takes back everything since `mark`. The inverse is appended to `redo` when given.
   struct Change;
   void roll_back(std::uint64_t mark, std::vector<Change>* redo = nullptr);

@@ -53,6 +53,18 @@ std::uint64_t hash_word(std::uint64_t hash, std::uint64_t word) {
   return hash ^ (hash >> 31);
 }
 
+std::uint64_t hash_numbers(std::span<const double> numbers) {
+  // four chains, so that one multiplication need not wait for the other
+  std::array<std::uint64_t, 4> lane = {0, 1, 2, 3};
+  std::size_t i = 0;
+  for (; i + 4 <= numbers.size(); i += 4)
+    for (std::size_t k = 0; k < 4; ++k) lane[k] = hash_word(lane[k], std::bit_cast<std::uint64_t>(numbers[i + k]));
+  for (; i < numbers.size(); ++i) lane[0] = hash_word(lane[0], std::bit_cast<std::uint64_t>(numbers[i]));
+  std::uint64_t hash = numbers.size();
+  for (const std::uint64_t each : lane) hash = hash_word(hash, each);
+  return hash;
+}
+
 std::uint64_t hash_text(std::string_view text, std::uint64_t seed) {
   std::uint64_t hash = hash_word(seed, text.size());
   while (!text.empty()) {

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 #include <string>
 #include <string_view>
 #include <variant>
@@ -44,6 +45,8 @@ void swap_values(Value& a, Value& b);
 
 /// 64 bits of `text`; the same on every machine and in every build.
 std::uint64_t hash_text(std::string_view text, std::uint64_t seed = 0);
+/// 64 bits of numbers, by their bits; likewise, and several times as fast as word by word.
+std::uint64_t hash_numbers(std::span<const double> numbers);
 /// Mixes one 64-bit word into a hash.
 std::uint64_t hash_word(std::uint64_t hash, std::uint64_t word);
 

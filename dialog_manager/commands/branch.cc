@@ -16,6 +16,10 @@ Outcome run(Call& call) {
   std::error_code error;
   const std::string to(call.words[0].text);
   std::filesystem::copy_file(journal->path(), to, error);
+  const std::string arrays = ArrayFile::path_of(journal->path());
+  std::error_code none;
+  if (!error && std::filesystem::exists(arrays, none))
+    std::filesystem::copy_file(arrays, ArrayFile::path_of(to), error);
   if (!error)
     std::filesystem::permissions(to, std::filesystem::perms::owner_read | std::filesystem::perms::owner_write, error);
   if (!error) std::filesystem::resize_file(to, text->good, error);

@@ -47,7 +47,7 @@ const Command command_checkpoints = {
     "checkpoints",
     "[now | off | every TICKS [BYTES]]",
     "Has the programs write down their state before the next tick, or every so often: after so many ticks (60 unless "
-    "said otherwise), or when a program was told so many bytes (4194304) since the last time. A restarted program is "
+    "said otherwise), or when a program was told so many bytes (16777216) since the last time. A restarted program is "
     "told that state and what came after it. Without words prints how often.",
     Effect::control,
     0,

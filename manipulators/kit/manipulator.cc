@@ -6,6 +6,7 @@
 #include <cerrno>
 #include <charconv>
 #include <cstdio>
+#include <cstdlib>
 
 namespace kit {
 namespace {
@@ -19,6 +20,12 @@ T parse(std::string_view text, T missing) {
   T value = missing;
   std::from_chars(text.data(), text.data() + text.size(), value);
   return value;
+}
+
+// SAILOR_ARRAYS=text: as from another machine
+bool arrays_wanted() {
+  const char* wanted = std::getenv("SAILOR_ARRAYS");
+  return wanted == nullptr || std::string_view(wanted) != "text";
 }
 
 }  // namespace
@@ -74,7 +81,16 @@ void Manipulator::set(const Object& object, std::string_view field, Value value)
     complain(status.error().sentence);
     return;
   }
-  append_set(output_, world_, object, index);
+  const auto shared = arrays_.find({object.id, index});
+  const auto* numbers = std::get_if<std::vector<double>>(&object.value(index));
+  if (shared == arrays_.end() || numbers == nullptr || !shared->second.fill ||
+      numbers->size() > shared->second.fill->capacity()) {
+    append_set(output_, world_, object, index);
+    return;
+  }
+  const std::uint64_t sequence = shared->second.fill->fill(*numbers);
+  output_ += "put " + object.path + "." + object.type->field(index).name +
+             " slot=" + std::to_string(SharedArray::slot_of(sequence)) + " seq=" + std::to_string(sequence) + "\n";
 }
 
 void Manipulator::set_word(const Object& object, std::string_view field, std::string_view word) {
@@ -134,7 +150,7 @@ int Manipulator::run() {
   std::string line;
   while (!quit_ && read_line(line)) hear(line);
   flush();
-  return 0;
+  return status_;
 }
 
 void Manipulator::hear(std::string_view line) {
@@ -152,6 +168,10 @@ void Manipulator::hear(std::string_view line) {
   } else if (verb == "checkpoint") {
     if (checkpoint_) checkpoint_();
     say("done");
+  } else if (verb == "put") {
+    hear_put(rest);
+  } else if (verb == "array") {
+    hear_array(rest);
   } else if (verb == "hello") {
     hear_hello(rest);
   } else if (verb == "budget") {
@@ -162,16 +182,19 @@ void Manipulator::hear(std::string_view line) {
 }
 
 void Manipulator::hear_hello(Words words) {
+  bool shares = false;
   for (const Word& word : words) {
     const std::size_t equals = word.text.find('=');
     if (equals == std::string_view::npos) continue;
     const std::string_view key = word.text.substr(0, equals), value = word.text.substr(equals + 1);
     if (key == "name") hello_.name = value;
     if (key == "seed") hello_.seed = parse<std::uint64_t>(value, 0);
+    if (key == "probe") shares = shares_memory(std::string(value)) && arrays_wanted();
     if (key == "tick") hello_.tick = parse(value, hello_.tick);
   }
   output_ += declarations_;
   if (checkpoint_) say("checkpoint");
+  say(shares ? "arrays=shm" : "arrays=text");
   say("ready");
 }
 
@@ -180,6 +203,35 @@ void Manipulator::hear_budget(Words words) {
   if (words.size() != 2) return;
   budget_.of = words[0].text == "time" ? Budget::Of::time : Budget::Of::error;
   budget_.value = parse(words[1].text, 0.0);
+}
+
+// "array PATH.FIELD fill=PATH capacity=N", or read=
+void Manipulator::hear_array(Words words) {
+  const Result<Target> target = words.size() == 3 ? parse_target(words[0]) : Error{ErrorKind::syntax, {}, 0};
+  const Object* object = target ? world_.find(target->pattern) : nullptr;
+  const int field = object == nullptr ? -1 : object->type->find(target->field);
+  if (field < 0) return;
+  const bool fill = words[1].text.starts_with("fill=");
+  Arrays& arrays = arrays_[{object->id, field}];
+  (fill ? arrays.fill : arrays.read) = SharedArray::open(std::string(words[1].text.substr(5)), fill);
+}
+
+// "put PATH.FIELD slot=K seq=N"
+void Manipulator::hear_put(Words words) {
+  const Result<Target> target = words.size() == 3 ? parse_target(words[0]) : Error{ErrorKind::syntax, {}, 0};
+  const Object* object = target ? world_.find(target->pattern) : nullptr;
+  const int field = object == nullptr ? -1 : object->type->find(target->field);
+  const auto shared = field < 0 ? arrays_.end() : arrays_.find({object->id, field});
+  std::vector<double> numbers;
+  if (shared == arrays_.end() || !shared->second.read ||
+      !shared->second.read->read(parse<std::uint64_t>(words[2].text.substr(4), 0), numbers)) {
+    // with a wrong world nothing right can be said: the next life is told it as text
+    complain("the array of " + std::string(words.empty() ? "" : words[0].text) + " cannot be read");
+    quit_ = true;
+    status_ = 3;
+    return;
+  }
+  world_.assign(*object, field, std::move(numbers));
 }
 
 void Manipulator::hear_world(const LineWords& words) {

@@ -3,9 +3,12 @@
 #include <cstdint>
 #include <functional>
 #include <map>
+#include <memory>
 #include <string>
 #include <string_view>
+#include <utility>
 
+#include "manipulators/kit/shared_array.h"
 #include "objdb/database.h"
 #include "objdb/statement.h"
 
@@ -83,7 +86,9 @@ class Manipulator {
   /// The word of a word field.
   std::string_view word(const objdb::Object& object, std::string_view field) const;
 
-  /// Sets a field, here and in the world; says nothing when it has that value already. A value that the field does
+  /// Sets a field, here and in the world; says nothing when it has that value already. The numbers of a long array go
+  /// through shared memory where the manager offers it; nothing else need be done for it, here or by those who read
+  /// it with get(). A value that the field does
   /// not take (out of range, not finite) is a mistake of the program's own: it is refused, told on standard error.
   void set(const objdb::Object& object, std::string_view field, objdb::Value value);
   /// Sets a word field by its word.
@@ -98,6 +103,8 @@ class Manipulator {
   bool read_line(std::string& line);
   void hear(std::string_view line);
   void hear_world(const objdb::LineWords& words);
+  void hear_array(objdb::Words words);
+  void hear_put(objdb::Words words);
   void hear_hello(objdb::Words words);
   void hear_budget(objdb::Words words);
   void answer(const objdb::LineWords& words);
@@ -115,6 +122,11 @@ class Manipulator {
   std::size_t read_ = 0;
   objdb::LineWords words_;
   bool quit_ = false;
+  int status_ = 0;
+  struct Arrays {
+    std::unique_ptr<SharedArray> fill, read;
+  };
+  std::map<std::pair<objdb::ObjectId, int>, Arrays> arrays_;
 };
 
 }  // namespace kit

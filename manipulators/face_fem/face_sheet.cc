@@ -83,7 +83,7 @@ FaceChart chart_of(const Head& head, const Landmarks& marks) {
   chart.lower = marks.at("labiomental").y();
   chart.upper = (marks.at("left_brow_middle").y() + marks.at("right_brow_middle").y()) / 2;
   chart.side = 1.31;
-  chart.bottom = chart.of(marks.at("menton")).height - 0.009 * scale;
+  chart.bottom = chart.of(marks.at("menton")).height - 0.007 * scale;
   // the hair line stands 55 to 61 mm above the glabella
   chart.top = chart.of(marks.at("glabella")).height + 0.052 * scale;
   return chart;
@@ -151,6 +151,7 @@ class Layer {
     for (int eye : {0, 1}) cut(sheet_.eyes[eye], upper_[eye], lower_[eye]);
     if (auto status = check_folds(); !status) return status.error();
     if (auto status = scan(); !status) return status.error();
+    make_boxes();
     return std::move(sheet_);
   }
 
@@ -160,6 +161,7 @@ class Layer {
   void cut(const Cut& cut, const Curve& upper, const Curve& lower);
   Status check_folds() const;
   Status scan();
+  void make_boxes();
 
   const Head& head_;
   const Landmarks& marks_;
@@ -323,6 +325,19 @@ Status Layer::scan() {
   return success();
 }
 
+Eigen::Vector2d flat(const ChartPoint& c) { return {FaceChart::nominal * c.angle, c.height}; }
+
+void Layer::make_boxes() {
+  for (int j = 0; j < sheet_.rows; ++j) {
+    sheet_.row_box.emplace_back();
+    for (int i = 0; i < sheet_.columns; ++i) {
+      sheet_.quad_box.emplace_back();
+      for (int k : sheet_.quad(i, j)) sheet_.quad_box.back().extend(flat(sheet_.stacks[k]));
+      sheet_.row_box.back().extend(sheet_.quad_box.back());
+    }
+  }
+}
+
 /// bilinear coordinates of p in a quadrilateral of the chart, by Newton; clamped, with the distance left
 struct Inside {
   double u, v, miss;
@@ -356,27 +371,21 @@ Inside inside(const std::array<Eigen::Vector2d, 4>& X, const Eigen::Vector2d& p)
 }  // namespace
 
 SheetPlace locate(const FaceSheet& sheet, const ChartPoint& point, CutSide side, int row) {
-  const auto flat = [](const ChartPoint& c) { return Eigen::Vector2d(FaceChart::nominal * c.angle, c.height); };
   const Eigen::Vector2d p = flat(point);
   SheetPlace best;
   best.miss = HUGE_VAL;
   const int from = side == CutSide::above ? row : 0, to = side == CutSide::below ? row : sheet.rows;
-  for (int j = from; j < to; ++j)
+  for (int j = from; j < to; ++j) {
+    if (sheet.row_box[j].exteriorDistance(p) >= best.miss) continue;
     for (int i = 0; i < sheet.columns; ++i) {
+      if (sheet.quad_box[j * sheet.columns + i].exteriorDistance(p) >= best.miss) continue;
       const std::array<int, 4> q = sheet.quad(i, j);
-      std::array<Eigen::Vector2d, 4> X;
-      Eigen::Vector2d low = Eigen::Vector2d::Constant(HUGE_VAL), high = -low;
-      for (int k = 0; k < 4; ++k) {
-        X[k] = flat(sheet.stacks[q[k]]);
-        low = low.cwiseMin(X[k]);
-        high = high.cwiseMax(X[k]);
-      }
-      const Eigen::Vector2d outside = (low - p).cwiseMax(p - high).cwiseMax(0);
-      if (outside.norm() >= best.miss) continue;
-      const Inside in = inside(X, p);
+      const Inside in = inside(
+          {flat(sheet.stacks[q[0]]), flat(sheet.stacks[q[1]]), flat(sheet.stacks[q[2]]), flat(sheet.stacks[q[3]])}, p);
       if (in.miss < best.miss) best = {i, j, in.u, in.v, in.miss};
-      if (best.miss == 0) return best;
+      if (best.miss < 1e-12) return best;
     }
+  }
   return best;
 }
 

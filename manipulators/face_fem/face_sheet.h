@@ -1,6 +1,6 @@
 #pragma once
 
-#include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <array>
 #include <vector>
 
@@ -25,6 +25,10 @@ struct FaceSheet {
   std::vector<int> above, below;
   Cut mouth;
   std::array<Cut, 2> eyes;  ///< left, right
+
+  /// For each quadrilateral (j columns + i) and then for each row of them the box round it on the flat chart
+  /// (nominal x angle, height), metres: what locate() looks at first.
+  std::vector<Eigen::AlignedBox2d> quad_box, row_box;
 
   int corner(int i, int j) const { return j * (columns + 1) + i; }
   /// The four stacks of a quadrilateral: right below, left below, left above, right above.

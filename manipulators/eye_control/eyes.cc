@@ -79,6 +79,12 @@ std::string declarations() {
   return text;
 }
 
+double two_digits(double x) {
+  if (!(x > 0)) return 0;
+  const double unit = std::pow(10.0, std::floor(std::log10(x)) - 1);
+  return std::round(x / unit) * unit;
+}
+
 Vector3d vector_of(const Vec3& p) { return {p[0], p[1], p[2]}; }
 
 Matrix3d rotation_of(const objdb::scene::Transform& x) {
@@ -97,7 +103,8 @@ Quaterniond quaternion_of(const objdb::scene::Transform& x) {
 objdb::Quat words_of(Quaterniond q) {
   q.normalize();
   const double sign = q.w() < 0 ? -1 : 1;
-  return {sign * q.w(), sign * q.x(), sign * q.y(), sign * q.z()};
+  // no minus zero
+  return {sign * q.w() + 0.0, sign * q.x() + 0.0, sign * q.y() + 0.0, sign * q.z() + 0.0};
 }
 
 }  // namespace
@@ -169,8 +176,9 @@ void Eyes::tick(const kit::Tick& now) {
     pair->world.forget(p.visual_delay + p.visual_lag + p.vor_latency + 0.1);
     show(*pair);
   }
-  // figures are moved together, so each is told its share
-  const double share = (processor_time() - start) / static_cast<double>(std::max<size_t>(objects.size(), 1));
+  // figures are moved together, so each is told its share; two digits, or it would be told anew in every tick
+  const double share =
+      two_digits((processor_time() - start) / static_cast<double>(std::max<size_t>(objects.size(), 1)));
   for (const Object* object : objects) me_.set(*object, "elapsed", share);
 }
 

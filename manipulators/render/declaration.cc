@@ -38,6 +38,11 @@ field garment.layer int = 0 "higher layers cover lower ones; equal layers in ord
 field garment.color vec3 = 0.8 0.8 0.8 in 0 1 "red green blue, sRGB"
 field garment.gloss real = 0.1 in 0 1 "0 is wool, 1 is patent leather"
 
+type mark "a vertex of a surface, watched"
+field mark.surface ref:mesh "the skin or mesh"
+field mark.vertex int = 0 in 0 1e9 "its number in the file"
+field mark.travel real m "how far faces have moved it from rest"
+
 type eyeball extends shape "an eye as it is seen; it looks along its +Z"
 field eyeball.radius real m = 12mm in 1mm 1 "of the ball"
 field eyeball.iris_color vec3 = 0.27 0.42 0.55 in 0 1 "red green blue, sRGB"
@@ -76,7 +81,7 @@ field view.culled int measured "drawables left out: out of sight or too small"
 field view.triangles int measured "in the last picture"
 field view.cpu_time real s measured "processor time of the last picture"
 
-field view.seen ref[] measured "figures, faces, eyes and skins in the last picture; programs may rest the others"
+field view.seen ref[] measured "figures, heads, faces, eyes and skins in the last picture and its inset: the others could rest"
 
 verb snapshot "FILE.png [from CAMERA] [size WxH] [quality WORD] [with VIEW]" "a picture of the world as it is"
 verb sheet "FILE.png PICTURE.png... [columns N] [size WxH]" "pictures side by side, each with its name"
@@ -92,6 +97,7 @@ reads muscle
 reads face
 writes mesh.status mesh.reason
 writes view.status view.reason
+writes mark.travel
 timeout 60s
 )~";
 

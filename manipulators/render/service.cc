@@ -310,8 +310,28 @@ void Service::show() {
   window_->show(std::move(shown));
 }
 
+void Service::follow_marks() {
+  const objdb::Database& world = me_.world();
+  for (const Object* mark : all_of(world, "mark")) {
+    const Object* surface = object_of(world, *mark, "surface");
+    Eigen::Vector3d travel = Eigen::Vector3d::Zero();
+    for (const Object* face : all_of(world, "face")) {
+      if (!surface || object_of(world, *face, "skin") != surface) continue;
+      const objdb::Value* value = value_of(*face, "vertices");
+      const auto* vertices = value ? std::get_if<std::vector<std::int64_t>>(value) : nullptr;
+      const std::vector<double>* by = numbers_of(*face, "displacement");
+      if (!vertices || !by || by->size() != 3 * vertices->size()) continue;
+      const auto found = std::find(vertices->begin(), vertices->end(), integer_of(*mark, "vertex"));
+      if (found == vertices->end()) continue;
+      travel += Eigen::Map<const Eigen::Vector3d>(by->data() + 3 * (found - vertices->begin()));
+    }
+    me_.set(*mark, "travel", travel.norm());
+  }
+}
+
 void Service::tick(const kit::Tick& tick) {
   now_ = tick.time;
+  follow_marks();
   studio_.stage().trails().record(me_.world(), now_);
   show();
   if (animation_)

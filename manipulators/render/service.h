@@ -37,6 +37,9 @@ class Service {
   /// Gives the window the world as it is, and the world the window's state.
   void show();
 
+  /// Tells how far marks have gone from rest.
+  void follow_marks();
+
   Outcome take(const Request& request, double time, Picture& picture);
   void tell(const Request& request, const Outcome& outcome);
   std::uint64_t stamp();

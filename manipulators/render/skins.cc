@@ -395,6 +395,14 @@ const mesh::Skin* Skins::bound(ObjectId skin) const {
 
 const Eigen::MatrixX3f& Skins::rest(ObjectId skin) const { return bodies_.at(skin).rest; }
 
+Eigen::AlignedBox3f Skins::moved_box(ObjectId surface) const {
+  Eigen::AlignedBox3f box;
+  const auto body = bodies_.find(surface);
+  if (body == bodies_.end() || !body->second.geometry) return box;
+  for (int v : body->second.patch.moved) box.extend(Eigen::Vector3f(body->second.V.row(v)));
+  return box;
+}
+
 const std::vector<ObjectId>& Skins::bones(ObjectId skin) const {
   static const std::vector<ObjectId> none;
   const auto found = bodies_.find(skin);

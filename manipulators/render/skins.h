@@ -43,6 +43,8 @@ class Skins {
   const mesh::Skin* bound(objdb::ObjectId skin) const;
   /// Where its vertices are in the bind pose, with the face's expression. Of bound skins only.
   const Eigen::MatrixX3f& rest(objdb::ObjectId skin) const;
+  /// Where what faces move of that surface is now, in world coordinates; empty when nothing is.
+  Eigen::AlignedBox3f moved_box(objdb::ObjectId surface) const;
   /// The bones of that skin in the order of mesh::Skin::bones.
   const std::vector<objdb::ObjectId>& bones(objdb::ObjectId skin) const;
 

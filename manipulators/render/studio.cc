@@ -1,6 +1,7 @@
 #include "manipulators/render/studio.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "manipulators/render/cull.h"
 #include "manipulators/render/look.h"
@@ -20,6 +21,25 @@ Quality quality_of(const Request& request) {
   if (request.quality) return *request.quality;
   const std::string_view word = request.view ? word_of(*request.view, "quality", "good") : "good";
   return word == "draft" ? Quality::draft : word == "best" ? Quality::best : Quality::good;
+}
+
+void Studio::add_seen(const objdb::Database& world, const Scene& scene, const Camera& camera, Size size,
+                      std::vector<std::string>& seen) const {
+  for (const Seen& one : seen_by(scene, camera, size)) {
+    if (!scene.drawables[one.drawable].helper) seen.push_back(scene.drawables[one.drawable].path);
+  }
+  // a face is a part of a surface: that the feet are in the picture does not make it seen
+  const Frustum frustum(view_projection(camera, static_cast<float>(size.width) / static_cast<float>(size.height)));
+  for (const Object* face : all_of(world, "face")) {
+    const Object* surface = object_of(world, *face, "skin");
+    if (!surface) continue;
+    const Eigen::AlignedBox3f box = stage_.skins().moved_box(surface->id);
+    if (!frustum.touches(box)) continue;
+    // an expression that is smaller than this cannot be told
+    constexpr float smallest = 6;  // [pixels]
+    const float distance = std::max(std::sqrt(box.squaredExteriorDistance(camera.X_WC.translation())), camera.near);
+    if (box.sizes().maxCoeff() * focal_pixels(camera, size) / distance >= smallest) seen.push_back(face->path);
+  }
 }
 
 Outcome Studio::take(const objdb::Database& world, const Request& request, double time, std::uint64_t stamp,
@@ -52,9 +72,8 @@ Outcome Studio::take(const objdb::Database& world, const Request& request, doubl
   }
   ++drawn_;
   outcome.cost = canvas_->cost();
-  for (const Seen& one : seen_by(scene, camera, size)) {
-    if (!scene.drawables[one.drawable].helper) outcome.seen.push_back(scene.drawables[one.drawable].path);
-  }
+  add_seen(world, scene, camera, size, outcome.seen);
+  const bool nothing = outcome.seen.empty();
 
   // a second picture in the lower right corner
   const Object* inset = request.view ? object_of(world, *request.view, "inset") : nullptr;
@@ -65,7 +84,9 @@ Outcome Studio::take(const objdb::Database& world, const Request& request, doubl
     Scene plain = scene;
     plain.labels.clear();
     Picture second;
-    if (canvas_->draw(plain, camera_of(world, *inset), small, quality, second).empty()) {
+    const Camera second_camera = camera_of(world, *inset);
+    if (canvas_->draw(plain, second_camera, small, quality, second).empty()) {
+      add_seen(world, scene, second_camera, small, outcome.seen);
       const int margin = std::max(1, size.height / 45);
       const int x = size.width - small.width - margin;
       const int y = size.height - small.height - margin;
@@ -81,7 +102,7 @@ Outcome Studio::take(const objdb::Database& world, const Request& request, doubl
   if (std::string solid = solid_around(scene, camera); !solid.empty()) {
     outcome.status = "inside";
     outcome.reason = "the camera stands inside " + solid;
-  } else if (outcome.seen.empty()) {
+  } else if (nothing) {
     outcome.status = "empty";
     outcome.reason = scene.drawables.empty() ? "the world has nothing to be seen" : "the camera looks past everything";
   }

@@ -41,6 +41,9 @@ class Studio {
     bool operator==(const Last&) const = default;
   };
 
+  void add_seen(const objdb::Database& world, const Scene& scene, const Camera& camera, Size size,
+                std::vector<std::string>& seen) const;
+
   Stage stage_;
   std::unique_ptr<Canvas> canvas_;
   Last last_;

@@ -6,6 +6,7 @@
 Debian's VTK draws through GLX, so a display without a screen (Xvfb) is started when DISPLAY is not set.
 """
 
+import array as arraymodule
 import math
 import os
 import subprocess
@@ -30,22 +31,30 @@ def with_display(run):
         server.wait()
 
 
-def actor(folder, vtk, numpy, numpy_support):
+def actor(folder, vtk):
     """One actor of all triangles with normals and colours at the vertices."""
-    def array(name, kind, width):
-        return numpy.fromfile(os.path.join(folder, name), dtype=kind).reshape(-1, width)
+    def filled(array, name, code, width):
+        numbers = arraymodule.array(code)
+        with open(os.path.join(folder, name), "rb") as file:
+            numbers.frombytes(file.read())
+        array.SetNumberOfComponents(width)
+        array.SetNumberOfTuples(len(numbers) // width)
+        memoryview(array).cast("B")[:] = memoryview(numbers).cast("B")
+        return array
 
-    triangles = array("triangles.u32", numpy.uint32, 3).astype(numpy.int64)
+    triangles = arraymodule.array("I")
+    with open(os.path.join(folder, "triangles.u32"), "rb") as file:
+        triangles.frombytes(file.read())
     cells = vtk.vtkCellArray()
-    flat = numpy.hstack([numpy.full((len(triangles), 1), 3, numpy.int64), triangles]).ravel()
-    cells.SetCells(len(triangles), numpy_support.numpy_to_vtkIdTypeArray(flat, deep=True))
+    for first in range(0, len(triangles), 3):
+        cells.InsertNextCell(3, triangles[first:first + 3])
     points = vtk.vtkPoints()
-    points.SetData(numpy_support.numpy_to_vtk(array("points.f32", numpy.float32, 3), deep=True))
+    points.SetData(filled(vtk.vtkFloatArray(), "points.f32", "f", 3))
     data = vtk.vtkPolyData()
     data.SetPoints(points)
     data.SetPolys(cells)
-    data.GetPointData().SetNormals(numpy_support.numpy_to_vtk(array("normals.f32", numpy.float32, 3), deep=True))
-    data.GetPointData().SetScalars(numpy_support.numpy_to_vtk(array("colors.u8", numpy.uint8, 3), deep=True))
+    data.GetPointData().SetNormals(filled(vtk.vtkFloatArray(), "normals.f32", "f", 3))
+    data.GetPointData().SetScalars(filled(vtk.vtkUnsignedCharArray(), "colors.u8", "B", 3))
     mapper = vtk.vtkPolyDataMapper()
     mapper.SetInputData(data)
     one = vtk.vtkActor()
@@ -57,13 +66,11 @@ def actor(folder, vtk, numpy, numpy_support):
 
 def measure(name, folder, distance, rounds, samples, passes):
     """Prints the best processor time of a frame: drawn, and read back as our pictures are."""
-    import numpy
-    import vtk
-    from vtk.util import numpy_support
+    import vtkmodules.all as vtk
 
     renderer = vtk.vtkRenderer()
     renderer.SetBackground(0.7, 0.75, 0.8)
-    renderer.AddActor(actor(folder, vtk, numpy, numpy_support))
+    renderer.AddActor(actor(folder, vtk))
     for position in ((0.55, 0.95, 0.85), (-0.9, 0.35, 0.7), (-0.35, 0.75, -0.9)):
         light = vtk.vtkLight()
         light.SetLightTypeToSceneLight()

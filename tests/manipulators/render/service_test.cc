@@ -96,6 +96,17 @@ TEST(Service, GoesOnWithoutADisplay) {
   EXPECT_TRUE(says(run, "done 1"));
 }
 
+TEST(Service, TellsHowFarAMarkHasGone) {
+  const Talk run = talk(
+      "type face extends node\nfield face.skin ref:node\nfield face.vertices int[]\nfield face.displacement vec3[] m\n"
+      "create mesh m\ncreate face f skin m vertices 3 7 displacement 0 0 1 0.3 0 0.4\ncreate mark a surface m vertex "
+      "7\n"
+      "create mark b surface m vertex 5\ntick 1 0.1 0.1\nset f.displacement 0 0 0 0 0 2\ntick 2 0.2 0.1\nquit\n");
+  EXPECT_TRUE(says(run, "set a.travel 0.5\n"));
+  EXPECT_TRUE(says(run, "set a.travel 2\n"));
+  EXPECT_FALSE(says(run, "set b.travel"));
+}
+
 TEST(Service, ReportsAMeshThatIsNotThere) {
   const Talk run = talk("create mesh m file nowhere.obj\ncreate view v width 16 height 16\n@1 snapshot " +
                         scratch("m.png") + "\nquit\n");

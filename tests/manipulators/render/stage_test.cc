@@ -236,6 +236,38 @@ TEST(Stage, AFaceMovesItsOwnMeshAndNoOtherOfTheSameFile) {
   EXPECT_GT(drawable(after, "a")->geometry->generation, drawable(scene, "a")->geometry->generation);
 }
 
+TEST(Stage, AFaceIsSeenOnlyWhereItIs) {
+  World world(face_type + R"(create node figure
+create node figure/bones
+create bone figure/bones/head from 0 0 0 to 0.8 0.8 0 radius 0.3
+create skin figure/body skeleton figure/bones file )" +
+              sheet_file() + R"(
+create face figure/face skin figure/body vertices 50 80
+create camera whole position 0.4 0.4 3
+create camera foot position 0.05 0.05 0.3 field_of_view 0.3
+create camera far position 0.4 0.4 150
+create view v camera whole width 160 height 120
+)");
+  ASSERT_EQ(world.problem, "");
+  for (const char* camera : {"whole", "foot", "far"}) {
+    const objdb::Object& object = *world.find(camera);
+    ASSERT_TRUE(world.set(object, object.type->find("orientation"), objdb::Quat{0, 0, 1, 0}).ok());
+  }
+  Studio studio;
+  auto seen = [&](const char* camera, const std::string& path) {
+    Request request;
+    request.view = world.find("v");
+    request.camera = world.find(camera);
+    Picture picture;
+    const Outcome outcome = studio.take(world, request, 0, 0, picture);
+    return std::count(outcome.seen.begin(), outcome.seen.end(), path) == 1;
+  };
+  EXPECT_TRUE(seen("whole", "figure/face"));
+  EXPECT_TRUE(seen("foot", "figure/body"));
+  EXPECT_FALSE(seen("foot", "figure/face"));
+  EXPECT_FALSE(seen("far", "figure/face"));
+}
+
 TEST(Stage, AFaceThatDoesNotFitMovesNothingAndIsTold) {
   const std::string file = sheet_file();
   World world(face_type + "create mesh a file " + file + "\ncreate face f skin a vertices 40 81\n");

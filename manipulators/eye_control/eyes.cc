@@ -35,7 +35,7 @@ constexpr std::string_view fixed_declarations = R"eyes(
   field gaze.predicted_error real rad "measured angle between its gaze and that of the whole model, root mean square"
   field gaze.predicted_time real s "measured processor time of a figure in a tick"
   field gaze.mode word = fixation of fixation latency saccade pursuit vergence blink "what the eyes are doing"
-  field gaze.status word = no_target of ok no_target out_of_range no_eyes bad_parameter
+  field gaze.status word = no_target of ok no_target out_of_range too_near no_eyes bad_parameter
   field gaze.reason text "one sentence, when there is something to say"
   field gaze.gaze_error real rad "line of sight to target, the worse of both eyes"
   field gaze.vergence real rad "angle between both lines of sight"
@@ -78,6 +78,8 @@ std::string declarations() {
   text += "field gaze.memory_target ref:node private\n";
   return text;
 }
+
+constexpr double least_distance = 0.02;  // to the middle of the eyes, m
 
 double two_digits(double x) {
   if (!(x > 0)) return 0;
@@ -372,11 +374,15 @@ void Eyes::show(const Pair& pair) {
     error = std::max(error, std::atan2(line.cross(to).norm(), line.dot(to)));
   }
 
-  const bool beyond = target.beyond;
-  me_.set_word(object, "status", !wish.any ? "no_target" : beyond ? "out_of_range" : "ok");
-  me_.set(object, "reason",
-          !beyond ? std::string()
-                  : "the target lies more than " + objdb::number(std::round(range / deg)) + " deg from straight ahead");
+  const bool near = wish.any && (wish.place - head.position).norm() < least_distance;
+  const char* status = !wish.any ? "no_target" : near ? "too_near" : target.beyond ? "out_of_range" : "ok";
+  me_.set_word(object, "status", status);
+  std::string reason;
+  if (near) reason = "the target lies within 2 cm of the eyes";
+  if (!near && target.beyond) {
+    reason = "the target lies more than " + objdb::number(std::round(range / deg)) + " deg from straight ahead";
+  }
+  me_.set(object, "reason", reason);
   const Method method = pair.parameters.method;
   me_.set_word(object, "method_used", word(method));
   me_.set(object, "predicted_error", row_of(method).error);

@@ -257,6 +257,17 @@ TEST(Eyes, SayWhenATargetIsOutOfReach) {
   EXPECT_NEAR(std::stod(last(answers, "sailor/left_eye.azimuth")), -50 * deg, 0.01);
 }
 
+TEST(Eyes, SayWhenATargetIsTooNear) {
+  Dialogue d;
+  d.say("set ball.position 0 1.63 0.09");
+  d.say("@1 gaze sailor ball");
+  d.run(1);
+  const auto answers = d.answers();
+  EXPECT_EQ(last(answers, "sailor/gaze.status"), "too_near");
+  EXPECT_EQ(last(answers, "sailor/gaze.reason"), "\"the target lies within 2 cm of the eyes\"");
+  EXPECT_GT(std::stod(last(answers, "sailor/gaze.gaze_error")), 0.5);
+}
+
 TEST(Eyes, ChooseTheirMethodByTheBudget) {
   const std::pair<const char*, const char*> cases[] = {{"budget off", "full"},
                                                        {"budget error 0.1", "snap"},

@@ -100,7 +100,7 @@ ARM_IK_INLINE DescentResult descend_body(const Packed& chain, const Goal& goal, 
     }
     std::swap(state, trial);
     slow = next_cost > options.patience * cost ? slow + 1 : 0;
-    out.stationary = slow >= 3 || next_cost > (1 - options.standstill) * cost;
+    out.stationary = slow >= 2 || next_cost > (1 - options.standstill) * cost;
     share = share * 0.3;
     cost = next_cost;
   }

@@ -20,7 +20,7 @@ struct DescentOptions {
   double position_tolerance = 1e-5;  ///< [m]
   double rotation_tolerance = 1e-4;  ///< [rad]
   int iterations = 50;
-  double patience = 1;       ///< gives up when three steps in a row leave more than this share of the squared error
+  double patience = 1;       ///< gives up when two steps in a row leave more than this share of the squared error
   double standstill = 1e-9;  ///< a step that lowers the squared error by a smaller share is the last
   double damping = 0.05;     ///< first damping, as a share of the squared error
   /// Bounds of q (#joints, padded to fours) inside the chain's limits; null: the limits.

@@ -1,7 +1,9 @@
 #include "manipulators/arm_ik/seeds.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <limits>
 #include <numeric>
 
 #include "manipulators/arm_ik/random.h"
@@ -13,6 +15,10 @@ namespace {
 
 // a cell holds this many seeds on average where the tool can be
 constexpr int seeds_a_cell = 24;
+// the nearest of one cell are tried before the cells around it are looked at
+constexpr int widen_after = 4;
+// key of a seed that has been given out
+constexpr std::int32_t used = std::numeric_limits<std::int32_t>::max();
 
 Eigen::Matrix3d rotation_of(const double* frame) {
   Eigen::Matrix3d R;
@@ -110,39 +116,52 @@ int SeedBank::cell_of(double x, double y, double z) const {
   return index[0] + cells_[0] * (index[1] + cells_[1] * index[2]);
 }
 
-SeedBank::Search::Search(const SeedBank& bank, const Goal& goal) {
-  const int cell = bank.nearest_filled_[bank.cell_of(goal.frame[12], goal.frame[13], goal.frame[14])];
-  begin_ = bank.begin_[cell];
-  count_ = std::min(bank.begin_[cell + 1] - begin_, most);
-  const float x = static_cast<float>(goal.frame[12]), y = static_cast<float>(goal.frame[13]),
-              z = static_cast<float>(goal.frame[14]);
+SeedBank::Search::Search(const SeedBank& bank, const Goal& goal)
+    : bank_(bank), cell_(bank.nearest_filled_[bank.cell_of(goal.frame[12], goal.frame[13], goal.frame[14])]) {
   Eigen::Vector4d wxyz(1, 0, 0, 0);
   if (goal.pose) wxyz = kinematics::quaternion(rotation_of(goal.frame));
-  const float w = static_cast<float>(wxyz[0]), i = static_cast<float>(wxyz[1]), j = static_cast<float>(wxyz[2]),
-              k = static_cast<float>(wxyz[3]);
+  for (int i = 0; i < 3; ++i) goal_[i] = static_cast<float>(goal.frame[12 + i]);
+  for (int i = 0; i < 4; ++i) goal_[3 + i] = static_cast<float>(wxyz[i]);
   // squared chord of the turn between the two: 4 (1 - dot^2)
-  const float weight = goal.pose ? static_cast<float>(4 * bank.length2_) : 0;
-  for (int s = 0; s < count_; ++s) {
-    const int at = begin_ + s;
-    const float dx = bank.px_[at] - x, dy = bank.py_[at] - y, dz = bank.pz_[at] - z;
-    const float dot = bank.qw_[at] * w + bank.qx_[at] * i + bank.qy_[at] * j + bank.qz_[at] * k;
-    score_[s] = dx * dx + dy * dy + dz * dz + weight * (1 - dot * dot);
+  weight_ = goal.pose ? static_cast<float>(4 * bank.length2_) : 0;
+  take(cell_);
+}
+
+void SeedBank::Search::take(int cell) {
+  const int begin = bank_.begin_[cell], count = std::min(bank_.begin_[cell + 1] - begin, most - count_);
+  for (int s = 0; s < count; ++s) {
+    const int at = begin + s, slot = count_ + s;
+    const float dx = bank_.px_[at] - goal_[0], dy = bank_.py_[at] - goal_[1], dz = bank_.pz_[at] - goal_[2];
+    const float dot =
+        bank_.qw_[at] * goal_[3] + bank_.qx_[at] * goal_[4] + bank_.qy_[at] * goal_[5] + bank_.qz_[at] * goal_[6];
+    const float score = dx * dx + dy * dy + dz * dz + weight_ * std::max(0.0F, 1 - dot * dot);
+    key_[slot] = (std::bit_cast<std::int32_t>(score) & ~(most - 1)) | slot;
+    seed_[slot] = at;
+  }
+  count_ += count;
+}
+
+void SeedBank::Search::widen() {
+  const int* cells = bank_.cells_;
+  const int at[3] = {cell_ % cells[0], cell_ / cells[0] % cells[1], cell_ / (cells[0] * cells[1])};
+  for (int z = std::max(at[2] - 1, 0); z <= std::min(at[2] + 1, cells[2] - 1); ++z) {
+    for (int y = std::max(at[1] - 1, 0); y <= std::min(at[1] + 1, cells[1] - 1); ++y) {
+      for (int x = std::max(at[0] - 1, 0); x <= std::min(at[0] + 1, cells[0] - 1); ++x) {
+        const int cell = x + cells[0] * (y + cells[1] * z);
+        if (cell != cell_) take(cell);
+      }
+    }
   }
 }
 
 int SeedBank::Search::next() {
-  constexpr float used = 3e38F;
-  int best = -1;
-  float least = used;
-  for (int s = 0; s < count_; ++s) {
-    if (score_[s] < least) {
-      least = score_[s];
-      best = s;
-    }
-  }
-  if (best < 0) return -1;
-  score_[best] = used;
-  return begin_ + best;
+  if (asked_++ == widen_after) widen();
+  std::int32_t least = used;
+  for (int s = 0; s < count_; ++s) least = std::min(least, key_[s]);
+  if (least == used) return -1;
+  const int slot = least & (most - 1);
+  key_[slot] = used;
+  return seed_[slot];
 }
 
 void SeedBank::posture(int index, double* q) const {

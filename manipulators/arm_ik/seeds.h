@@ -17,7 +17,8 @@ class SeedBank {
   /// stands at each limit, as the answers of near-limit targets do.
   SeedBank(const Packed& chain, int count, double spill, std::uint64_t seed);
 
-  /// The seeds of one cell of the table, in order of their distance from a goal.
+  /// The seeds near a goal in order of their distance from it, place and orientation: those of the goal's cell, and
+  /// when some of these have been asked for, those of the cells around it too.
   class Search {
    public:
     Search(const SeedBank& bank, const Goal& goal);
@@ -25,9 +26,16 @@ class SeedBank {
     int next();
 
    private:
-    static constexpr int most = 512;
-    int begin_, count_;
-    alignas(64) float score_[most];
+    static constexpr int slot_bits = 11, most = 1 << slot_bits;
+    void take(int cell);
+    void widen();
+
+    const SeedBank& bank_;
+    int cell_, asked_ = 0, count_ = 0;
+    float goal_[7], weight_;  // place, quaternion; what orientation weighs
+    // the bits of a score, which order like the score itself, the lowest replaced by the slot
+    alignas(64) std::int32_t key_[most];
+    int seed_[most];
   };
 
   /// Copies posture number `index` (#joints).

@@ -6,8 +6,10 @@
 #include <vector>
 
 #include "manipulators/arm_ik/descent.h"
+#include "manipulators/arm_ik/outer_seeds.h"
 #include "manipulators/arm_ik/seeds.h"
 #include "manipulators/arm_ik/solution.h"
+#include "manipulators/arm_ik/workspace.h"
 
 namespace arm_ik {
 
@@ -25,7 +27,7 @@ struct SolveOptions {
 double nominal_step_time(int joints);
 
 /// Solves one chain with all its freedoms. Holds tables that are built on first need (two of 32768 postures, about
-/// 30 ms each); not for two threads at once.
+/// 30 ms each, the workspace and the postures at its edge, about 40 ms); not for two threads at once.
 class Solver {
  public:
   explicit Solver(const kinematics::Chain& chain);
@@ -38,6 +40,7 @@ class Solver {
 
   /// Starts from postures of the tables that put the tool near the goal, then from random ones, until one arrives, the
   /// goal shows itself out of reach, or the budget is spent. q: written only. The nearest posture found is the answer.
+  /// A goal that is proven out of reach gets the nearest posture from a few starts at the edge of the workspace.
   Solution reach(const Goal& goal, const SolveOptions& options, std::span<double> q);
 
   /// full from q, then reach when that does not arrive.
@@ -66,6 +69,8 @@ class Solver {
   kinematics::Chain chain_;
   Packed packed_;
   std::unique_ptr<SeedBank> inner_, edge_;
+  std::unique_ptr<OuterSeeds> outer_;
+  std::unique_ptr<Workspace> workspace_;
 };
 
 }  // namespace arm_ik

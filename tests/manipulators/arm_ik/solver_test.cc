@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
@@ -79,6 +80,33 @@ TEST(Solver, SaysWhatKeepsItFromTheTarget) {
   EXPECT_FALSE(solver.active_limits(back, q).empty());
   EXPECT_NE(solver.reason(back, limited, q).find("limit"), std::string::npos);
   EXPECT_NEAR(limited.position_error, (kinematics::forward(solver.chain(), q).p - behind.p).norm(), 1e-14);
+}
+
+// three short descents from the edge of the workspace against many whole ones from anywhere
+TEST(Solver, OutOfReachIsWithinOnePerCentOfTheBestOfManyStarts) {
+  const Chain chain = kinematics::arm11();
+  Solver solver(chain);
+  const Packed& packed = solver.packed();
+  Random random(5);
+  const auto list = problems(chain, ProblemSet::unreachable, 60, 27);
+  int within = 0;
+  for (const Problem& problem : list) {
+    const Goal goal(problem.target, true);
+    double q[11], best = HUGE_VAL;
+    const Solution solution = solver.reach(goal, {}, q);
+    const double turn = 2 * std::sin(0.5 * solution.rotation_error) * packed.length;
+    const double left = std::hypot(solution.position_error, turn);
+    DescentOptions options;
+    options.iterations = 200;
+    for (int start = 0; start < 200; ++start) {
+      for (int i = 0; i < chain.size(); ++i) q[i] = random.between(packed.lower[i], packed.upper[i]);
+      best = std::min(best, std::sqrt(descend(packed, goal, options, q, best_isa()).cost));
+    }
+    within += left <= 1.01 * best;
+    EXPECT_LE(left, 1.05 * best);
+  }
+  // 99 of 100 are
+  EXPECT_GE(within, 58);
 }
 
 TEST(Solver, SameCallSameBitsWhateverCameBefore) {

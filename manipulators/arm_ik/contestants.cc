@@ -1,6 +1,8 @@
 #include "manipulators/arm_ik/contestants.h"
 
-#include "manipulators/arm_ik/tracker.h"
+#include <memory>
+
+#include "manipulators/arm_ik/reacher.h"
 
 namespace arm_ik {
 
@@ -35,6 +37,15 @@ Follower follower(const kinematics::Chain& chain, const Packed& packed, double r
   options.rate = rate;
   return {"tracker", [&packed, posture, options](const Pose& target, std::span<double> q) {
             (void)Tracker(packed).follow(Goal(target, true), options, posture, tick, q);
+          }};
+}
+
+Follower reacher(const kinematics::Chain& chain, double rate) {
+  return {"reacher", [limb = std::make_shared<Reacher>(chain), rate](const Pose& target, std::span<double> q) {
+            Reacher::Order order(Goal(target, true));
+            order.method = Method::full;
+            order.rate = rate;
+            (void)limb->tick(order, tick, q);
           }};
 }
 

@@ -11,6 +11,8 @@ Contestant contestant(Engine& engine, Method method);
 Contestant contestant(Peer& peer, double budget);
 /// The tracker with null space pulled to the middle of the ranges, 10 ms ticks. `packed` must outlive it.
 Follower follower(const kinematics::Chain& chain, const Packed& packed, double rate);
+/// The same with what a limb of a scene has besides: when its way ends it looks for another and travels there.
+Follower reacher(const kinematics::Chain& chain, double rate);
 /// A peer that is asked anew every tick from its own last answer.
 Follower follower(Peer& peer, double budget);
 

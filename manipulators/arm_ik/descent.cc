@@ -13,7 +13,7 @@ Goal::Goal(const kinematics::Pose& X, bool with_orientation) : pose(with_orienta
     for (int row = 0; row < 3; ++row) frame[4 * column + row] = X.R(row, column);
     frame[4 * column + 3] = 0;
   }
-  for (int row = 0; row < 3; ++row) frame[12 + row] = X.p[row];
+  for (int row = 0; row < 3; ++row) frame[12 + row] = std::clamp(X.p[row], -farthest, farthest);
   frame[15] = 0;
 }
 

@@ -9,6 +9,9 @@ namespace arm_ik {
 
 /// What a solver is asked for: a place, and an orientation when `pose`.
 struct Goal {
+  /// Beyond this [m] in any coordinate the place is cut: squares of larger numbers leave the doubles' range.
+  static constexpr double farthest = 1e9;
+
   Goal(const kinematics::Pose& X, bool with_orientation);
   kinematics::Pose target() const;
 

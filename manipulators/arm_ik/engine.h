@@ -27,6 +27,11 @@ class Engine {
   /// when it does not; `solution.method` tells which gave the answer.
   Solution solve(Method method, const Goal& goal, const SolveOptions& options, std::span<double> q);
 
+  /// See Solver::another_way.
+  Solution another_way(const Goal& goal, const SolveOptions& options, std::span<double> q) {
+    return solver_.another_way(goal, options, q);
+  }
+
   /// The posture in scapulohumeral rhythm that puts a human arm's wrist at the goal, as nearly as its limits allow.
   /// Requires human().
   void natural_posture(const Goal& goal, const SolveOptions& options, std::span<double> posture) const;

@@ -25,6 +25,13 @@ const CLI::Validator positive(
     },
     "", "positive");
 
+// CLI11 takes -1 for the largest number
+const CLI::Validator natural(
+    [](const std::string& text) {
+      return text.starts_with('-') ? "is " + text + ", expected 0 or more" : std::string();
+    },
+    "", "natural");
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -56,7 +63,7 @@ int main(int argc, char** argv) {
       ->needs(solving)
       ->check(CLI::IsMember({"rest", "random", "warm"}))
       ->capture_default_str();
-  app.add_option("--seed", solve.seed, "of random starts")->needs(solving)->capture_default_str();
+  app.add_option("--seed", solve.seed, "of random starts")->needs(solving)->check(natural)->capture_default_str();
   app.add_option("--out", solve.out, "result file; standard output if not given")->needs(solving);
   std::string chart_folder;
   app.add_option("--chart", chart_folder, "measure all methods (and the peers that were built) into this folder");

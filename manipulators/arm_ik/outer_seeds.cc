@@ -20,7 +20,7 @@ constexpr double nearest_share = 0.25, farthest_share = 2;
 constexpr int slot_mask = OuterSeeds::count - 1;
 
 void draw(const Packed& chain, Random& random, double* q) {
-  for (int i = 0; i < chain.n; ++i) q[i] = random.between(chain.lower[i], chain.upper[i]);
+  for (int i = 0; i < chain.n; ++i) q[i] = random.between(chain.draw_lower[i], chain.draw_upper[i]);
 }
 
 kinematics::Pose pose_of(const double* frame) {

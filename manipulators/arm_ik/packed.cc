@@ -20,7 +20,8 @@ void put(double* to, const kinematics::Pose& X) {
 
 Packed::Packed(const kinematics::Chain& chain) : n(chain.size()), blocks((n + 3) / 4) {
   assert(n <= capacity);
-  for (double* array : {offset, px, py, pz, sa, lower, upper, rest}) std::fill_n(array, capacity, 0.0);
+  for (double* array : {offset, px, py, pz, sa, lower, upper, rest, draw_lower, draw_upper})
+    std::fill_n(array, capacity, 0.0);
   std::fill_n(ca, capacity, 1.0);
   std::fill_n(turns, capacity, 1.0);
   for (int i = 0; i < n; ++i) {
@@ -36,6 +37,10 @@ Packed::Packed(const kinematics::Chain& chain) : n(chain.size()), blocks((n + 3)
     lower[i] = joint.lower;
     upper[i] = joint.upper;
     rest[i] = joint.rest;
+    // further turns lead to the same places
+    const double half = turns[i] == 1 && upper[i] - lower[i] > 2 * M_PI ? M_PI : HUGE_VAL;
+    draw_lower[i] = std::max(lower[i], rest[i] - half);
+    draw_upper[i] = std::min(upper[i], rest[i] + half);
   }
   put(base, chain.base);
   put(tool, chain.tool);

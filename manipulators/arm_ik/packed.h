@@ -19,7 +19,8 @@ struct Packed {
   alignas(64) double ca[capacity], sa[capacity];  ///< cosine and sine of alpha
   alignas(64) double turns[capacity];             ///< 1 for a turn, 0 for a slide
   alignas(64) double lower[capacity], upper[capacity], rest[capacity];
-  alignas(64) double base[16];  ///< columns x y z p, four numbers each
+  alignas(64) double draw_lower[capacity], draw_upper[capacity];  ///< where starts are drawn: one turn around rest
+  alignas(64) double base[16];                                    ///< columns x y z p, four numbers each
   alignas(64) double tool[16];
   bool slides = false;  ///< any slide in the chain
   double length = 0.3;  ///< metres that a radian of orientation error weighs

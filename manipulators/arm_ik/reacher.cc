@@ -39,11 +39,16 @@ bool Reacher::jumped(const Order& order) const {
 void Reacher::aim_anew(const Order& order, std::span<const double> q) {
   std::copy(q.begin(), q.begin() + static_cast<std::ptrdiff_t>(aim_.size()), aim_.begin());
   aim_solution_ = engine_.solve(order.method, order.goal, order.solve, aim_);
+  set_out(order.rate, q);
+}
+
+// from q to the aim, from this tick on
+void Reacher::set_out(double rate, std::span<const double> q) {
   from_.assign(q.begin(), q.begin() + static_cast<std::ptrdiff_t>(aim_.size()));
   double farthest = 0;
   for (std::size_t i = 0; i < aim_.size(); ++i) farthest = std::max(farthest, std::abs(aim_[i] - q[i]));
   elapsed_ = 0;
-  duration_ = peak * farthest / order.rate;
+  duration_ = peak * farthest / rate;
   stuck_ = 0;
 }
 
@@ -84,11 +89,11 @@ Solution Reacher::tick(const Order& order, double dt, std::span<double> q) {
   last_goal_ = order.goal.target();
   if (stuck_ >= patience && (stuck_ - patience) % look_again == 0 && !solver.beyond_reach(order.goal)) {
     std::vector<double> other = aim_;
-    const Solution found = engine_.solve(Method::reach, order.goal, order.solve, other);
+    const Solution found = engine_.another_way(order.goal, order.solve, other);
     if (found.status == Status::reached) {
-      Order again = order;
-      again.method = Method::reach;
-      aim_anew(again, q);
+      aim_ = other;
+      aim_solution_ = found;
+      set_out(order.rate, q);
     }
   }
 

@@ -14,7 +14,7 @@ namespace arm_ik {
 /// It keeps an aim, the posture that answers the goal. A new goal is solved once (by the method asked for) and the limb
 /// travels there on a bell-shaped course in joint space (least jerk, Flash and Hogan 1985); from then on the aim
 /// follows the goal without starting anew. When the way that it follows ends at a limit although the goal can be
-/// reached, the other way is found and travelled to.
+/// reached, the nearest other way is found and travelled to.
 class Reacher {
  public:
   explicit Reacher(const kinematics::Chain& chain);
@@ -50,6 +50,7 @@ class Reacher {
 
  private:
   void aim_anew(const Order& order, std::span<const double> q);
+  void set_out(double rate, std::span<const double> q);
   void follow(const Order& order, double dt);
   void posture_for(const Order& order, std::span<double> posture) const;
   bool jumped(const Order& order) const;

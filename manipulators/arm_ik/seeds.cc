@@ -40,7 +40,7 @@ SeedBank::SeedBank(const Packed& chain, int count, double spill, std::uint64_t s
   for (int k = 0; k < count; ++k) {
     for (int i = 0; i < n_; ++i) {
       const double share = random.between(-spill, 1 + spill);
-      q[i] = chain.lower[i] + std::clamp(share, 0.0, 1.0) * (chain.upper[i] - chain.lower[i]);
+      q[i] = chain.draw_lower[i] + std::clamp(share, 0.0, 1.0) * (chain.draw_upper[i] - chain.draw_lower[i]);
       postures[static_cast<std::size_t>(k) * n_ + i] = static_cast<float>(q[i]);
     }
     tool_pose(chain, q, frame);

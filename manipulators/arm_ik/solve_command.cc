@@ -2,7 +2,10 @@
 
 #include <unistd.h>
 
+#include <algorithm>
+#include <array>
 #include <charconv>
+#include <cmath>
 #include <fstream>
 #include <iostream>
 #include <optional>
@@ -25,6 +28,7 @@ using objdb::Result;
 namespace {
 
 constexpr double unit_tolerance = 1e-2;
+constexpr std::array<std::string_view, 3> built_in = {"arm11", "arm11_left", "arm11w"};
 
 struct Target {
   Goal goal;
@@ -69,6 +73,11 @@ Result<std::vector<Target>> read_targets(const std::string& file, int joints) {
       const Result<double> value = kinematics::number(table, row, row.cells[i], table.header.cells[i].text);
       if (!value) return value.error();
       v.push_back(*value);
+    }
+    for (int i = 0; i < 3; ++i) {
+      if (std::abs(v[i]) <= Goal::farthest) continue;
+      return refusal(file, row.line, row.cells[i].column, ErrorKind::range,
+                     table.header.cells[i].text + " is " + row.cells[i].text + ", expected within 1e9 m");
     }
     kinematics::Pose X;
     X.p = {v[0], v[1], v[2]};
@@ -152,8 +161,15 @@ int run(const SolveCommand& command) {
   if (!method_named(command.method, method)) {
     return usage("--method is \"" + command.method + "\", expected one of: " + method_words());
   }
-  if (command.chain.ends_with(".urdf") && (command.base.empty() || command.tip.empty())) {
+  const bool urdf = command.chain.ends_with(".urdf");
+  if (urdf && (command.base.empty() || command.tip.empty()))
     return usage("a .urdf chain needs --base LINK and --tip LINK");
+  if (!urdf && !(command.base.empty() && command.tip.empty()))
+    return usage("--base and --tip name links of a .urdf chain, the chain is \"" + command.chain + "\"");
+  if (!urdf && !command.chain.ends_with(".csv") &&
+      std::find(built_in.begin(), built_in.end(), command.chain) == built_in.end()) {
+    return usage("the chain is \"" + command.chain +
+                 "\", expected a .csv or .urdf file or one of: arm11 arm11_left arm11w");
   }
   const Result<Chain> chain = read_chain(command);
   if (!chain) return fail(chain.error());

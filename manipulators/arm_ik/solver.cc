@@ -23,6 +23,8 @@ constexpr double far_off = 0.1;
 // out of reach there is nothing to hit: three short descents come within 1 % of the best of a thousand in 99 of 100
 constexpr int outer_starts = 3;
 constexpr double outer_standstill = 1e-3;
+// starts that look for another way
+constexpr int ways = 24;
 // starts that end short before the proof that there is no answer is looked for
 constexpr int starts_before_proof = 1;
 
@@ -184,6 +186,37 @@ Solution Solver::full_then_reach(const Goal& goal, const SolveOptions& options, 
   second.iterations += first.iterations;
   second.starts += first.starts;
   return second;
+}
+
+Solution Solver::another_way(const Goal& goal, const SolveOptions& options, std::span<double> q) {
+  prepare();
+  Solution out;
+  out.method = Method::reach;
+  DescentOptions how;
+  how.position_tolerance = options.position_tolerance;
+  how.rotation_tolerance = options.rotation_tolerance;
+  how.iterations = steps_a_start;
+  how.patience = patience;
+  SeedBank::Search inner(*inner_, goal), edge(*edge_, goal);
+  double least = HUGE_VAL, trial[Packed::capacity], best[Packed::capacity];
+  for (; out.starts < ways; ++out.starts) {
+    const bool from_edge = out.starts % 2 == 1;
+    const int index = from_edge ? edge.next() : inner.next();
+    if (index < 0) continue;
+    (from_edge ? *edge_ : *inner_).posture(index, trial);
+    const DescentResult found = descend(packed_, goal, how, trial, options.isa);
+    out.iterations += found.iterations;
+    double farthest = 0;
+    for (int i = 0; i < packed_.n; ++i) farthest = std::max(farthest, std::abs(trial[i] - q[i]));
+    if (!found.reached || farthest >= least) continue;
+    least = farthest;
+    out.status = Status::reached;
+    out.position_error = found.position_error;
+    out.rotation_error = found.rotation_error;
+    std::copy_n(trial, packed_.n, best);
+  }
+  if (out.status == Status::reached) std::copy_n(best, packed_.n, q.begin());
+  return out;
 }
 
 std::string Solver::reason(const Goal& goal, const Solution& solution, std::span<const double> q) const {

@@ -46,6 +46,10 @@ class Solver {
   /// full from q, then reach when that does not arrive.
   Solution full_then_reach(const Goal& goal, const SolveOptions& options, std::span<double> q);
 
+  /// Another way to the goal: of the answers that some starts find, the one that the joints reach from q soonest.
+  /// q (#joints): where they are, overwritten; unchanged when none is found, `status` then budget.
+  Solution another_way(const Goal& goal, const SolveOptions& options, std::span<double> q);
+
   /// The sentence behind a status: distance left, what is beyond reach, which joints stand at which limit and hold.
   std::string reason(const Goal& goal, const Solution& solution, std::span<const double> q) const;
 

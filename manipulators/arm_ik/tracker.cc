@@ -74,7 +74,7 @@ ARM_IK_INLINE Followed follow_body(const Packed& chain, const Goal& goal, const 
       store<4>(box.low + i, low);
       store<4>(box.high + i, high);
       store<4>(box.bias + i, bias);
-      store<4>(box.weight + i, half * half * (willing * willing));
+      store<4>(box.weight + i, willing * willing);
     }
     kernel::bounded_step<pose, true>(chain, system, e, box, damping * length * length, held, dq);
     Real4 moved = one - one;

@@ -19,6 +19,8 @@ constexpr std::array<const char*, 8> dh_header = {"joint",     "theta0_deg", "d_
                                                   "alpha_deg", "lower_deg",  "upper_deg", "rest_deg"};
 // a transform written with a few decimals is not quite a rotation; more than this is a mistake
 constexpr double rotation_tolerance = 1e-4;
+// metres and degrees beyond this are a mistake, and their squares no numbers
+constexpr double largest = 1e9;
 
 double radians(double degrees) { return degrees * std::numbers::pi / 180; }
 
@@ -32,6 +34,11 @@ Result<Pose> read_pose(const Table& table, const Row& row) {
   for (int i = 0; i < 12; ++i) {
     const Result<double> value = number(table, row, row.cells[i + 1], name + " number " + std::to_string(i + 1));
     if (!value) return value.error();
+    if (std::abs(*value) > largest) {
+      return refusal(
+          table.file, row.line, row.cells[i + 1].column, ErrorKind::range,
+          name + " number " + std::to_string(i + 1) + " is " + row.cells[i + 1].text + ", expected within 1e9");
+    }
     (i % 4 == 3 ? X.p[i / 4] : X.R(i / 4, i % 4)) = *value;
   }
   if (rotation_defect(X.R) > rotation_tolerance) {
@@ -89,6 +96,11 @@ Result<Chain> read_dh_chain(const std::string& file) {
       const Result<double> value = number(table, row, row.cells[i], std::string(dh_header[i]) + " of \"" + name + "\"");
       if (!value) return value.error();
       v[i] = *value;
+      if (std::abs(v[i]) > largest) {
+        return refusal(
+            file, row.line, row.cells[i].column, ErrorKind::range,
+            std::string(dh_header[i]) + " of \"" + name + "\" is " + row.cells[i].text + ", expected within 1e9");
+      }
     }
     if (v[5] > v[6]) {
       return refusal(file, row.line, row.cells[5].column, ErrorKind::range,

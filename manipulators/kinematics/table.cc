@@ -2,6 +2,7 @@
 
 #include <charconv>
 #include <cmath>
+#include <filesystem>
 #include <fstream>
 #include <sstream>
 
@@ -79,7 +80,9 @@ Result<Table> parse_table(const std::string& file, std::string_view text) {
 Result<Table> read_table(const std::string& file) {
   std::ifstream in(file, std::ios::binary);
   std::ostringstream text;
-  // a folder opens, but cannot be read
+  // a folder opens, and reads as an empty file
+  std::error_code fault;
+  if (std::filesystem::is_directory(file, fault)) in.setstate(std::ios::badbit);
   if (in) text << in.rdbuf();
   if (!in || in.bad()) return refusal(file, 0, 0, ErrorKind::io, "cannot be read");
   return parse_table(file, text.str());

@@ -19,6 +19,8 @@ using objdb::Result;
 namespace {
 
 constexpr double endless_limit = 4 * std::numbers::pi;
+// metres and radians beyond this are a mistake, and their squares no numbers
+constexpr double largest = 1e9;
 
 Pose pose_of(const urdf::Pose& in) {
   const urdf::Rotation& r = in.rotation;
@@ -43,6 +45,7 @@ Limits limits_of(const urdf::Joint& joint) {
 // adds one joint, walked from parent to child, or backwards: then the axis turns the other way
 std::string add(ChainBuilder& builder, const urdf::Joint& joint, bool forwards) {
   const Pose X = pose_of(joint.parent_to_joint_origin_transform);
+  if (!(X.p.cwiseAbs().maxCoeff() <= largest)) return "stands farther than 1e9 m from its parent";
   if (joint.type == urdf::Joint::FIXED) {
     builder.fix(forwards ? X : inverse(X));
     return {};
@@ -56,6 +59,7 @@ std::string add(ChainBuilder& builder, const urdf::Joint& joint, bool forwards) 
   if (!(axis.norm() > 0) || !axis.allFinite()) return "has no axis";
   if (!(lower <= upper) || !std::isfinite(lower) || !std::isfinite(upper))
     return "has its lower limit above its upper limit";
+  if (std::max(-lower, upper) > largest) return "has a limit beyond 1e9";
   const double rest = lower <= 0 && upper >= 0 ? 0 : 0.5 * (lower + upper);
   const JointKind kind = turns ? JointKind::turn : JointKind::slide;
   if (forwards) {

@@ -75,6 +75,7 @@ void tracking(const Chain& chain, std::uint64_t seed) {
   const Packed packed(chain);
   const auto ours_of = [&](double largest) { return follower(chain, packed, 2 * largest / tick); };
   print(chain.name + " courses " + std::to_string(seed), "tracker", track(chain, 10, seed, ours_of));
+  print("", "reacher", track(chain, 10, seed, [&](double largest) { return reacher(chain, 2 * largest / tick); }));
   print(chain.name + " out and back", "tracker", out_and_back(chain, 10, seed, follower(chain, packed, 10)));
 }
 
@@ -190,4 +191,5 @@ int main() {
   for (const std::uint64_t seed : {100, 200, 300}) tracking(arm, seed);
   tracking_peers(arm, 100);
   tracking(iiwa14(), 100);
+  tracking(panda(), 100);
 }

@@ -92,16 +92,51 @@ TEST_F(Program, SaysWhereAFileIsWrong) {
   EXPECT_EQ(fault("x,y,z\n1,2\n"), "t.csv:2:1: error syntax the row has 2 cells, expected 3\n");
   EXPECT_EQ(fault("x,y,z\n1,2,3\n1,2,inf\n"), "t.csv:3:5: error range z is inf, expected a finite number\n");
   EXPECT_EQ(fault("x,y,z\n1,2,1e999\n"), "t.csv:2:5: error range z is 1e999, expected a finite number\n");
+  EXPECT_EQ(fault("x,y,z\n1,-2e9,3\n"), "t.csv:2:3: error range y is -2e9, expected within 1e9 m\n");
   EXPECT_EQ(fault("x,y,z,qw,qx,qy,qz\n1,2,3,0,0,0,0\n"),
             "t.csv:2:7: error range the quaternion's length is 0.000000, expected 1\n");
   EXPECT_EQ(fault("x,y,z\n"), "t.csv:1:1: error syntax no targets, expected at least one row\n");
 }
 
+// one joint, thirty, slides only, links of a nanometre, of nothing, turns without end
+TEST_F(Program, SolvesTheOddestChains) {
+  const std::string header = "joint,theta0_deg,d_m,a_m,alpha_deg,lower_deg,upper_deg,rest_deg\n";
+  std::string thirty = header;
+  for (int i = 0; i < 30; ++i) thirty += "j" + std::to_string(i) + ",0,0,0.1," + (i % 2 ? "90" : "0") + ",-60,60,0\n";
+  const std::string targets = write("t.csv", "x,y,z\n1,0,0\n0.6,0.8,0\n5,5,5\n1e9,0,0\n");
+  const auto words = [&](const std::string& text) {
+    std::string all;
+    for (const std::string& line : lines_of(run("--solve " + write("chain.csv", text) + " " + targets).out))
+      all += line.substr(0, line.find(',')) + " ";
+    return all.substr(all.find(' ') + 1);
+  };
+  EXPECT_EQ(words(header + "a,0,0,1,0,-180,180,0\n"), "reached reached unreachable unreachable ");
+  EXPECT_EQ(words(header + "a,0,0,1,0,-1e9,1e9,0\n"), "reached reached unreachable unreachable ");
+  EXPECT_EQ(words(header + "a,0,0,1,0,0,0,0\n"), "reached limited unreachable unreachable ");
+  EXPECT_EQ(words(header + "a,0,0,0,0,-9,9,0\n"), "unreachable unreachable unreachable unreachable ");
+  EXPECT_EQ(words(header + "a,0,0,1e-9,0,-9,9,0\n"), "unreachable unreachable unreachable unreachable ");
+  EXPECT_EQ(words(thirty), "reached reached unreachable unreachable ");
+  const std::string far = run("--solve " + write("chain.csv", header + "a,0,0,1e300,0,-9,9,0\n") + " " + targets).out;
+  EXPECT_EQ(far.substr(folder_.size()), "chain.csv:2:7: error range a_m of \"a\" is 1e300, expected within 1e9\n");
+  std::string slides = "<robot name='r'><link name='a'/><link name='b'/><link name='c'/>";
+  slides += "<joint name='x' type='prismatic'><parent link='a'/><child link='b'/><axis xyz='1 0 0'/>";
+  slides += "<limit lower='0' upper='2' effort='1' velocity='1'/></joint>";
+  slides += "<joint name='y' type='prismatic'><parent link='b'/><child link='c'/><axis xyz='0 1 0'/>";
+  slides += "<limit lower='0' upper='2' effort='1' velocity='1'/></joint></robot>";
+  const std::vector<std::string> rows =
+      lines_of(run("--solve " + write("slides.urdf", slides) + " " + targets + " --base a --tip c").out);
+  ASSERT_EQ(rows.size(), 5u);
+  EXPECT_TRUE(rows[2].starts_with("reached,")) << rows[2];
+  EXPECT_TRUE(rows[3].starts_with("unreachable,")) << rows[3];
+}
+
 TEST_F(Program, RefusesBadUsageWithStatusTwo) {
   const std::string targets = write("t.csv", "x,y,z\n1,2,3\n");
-  for (const std::string arguments : {"--solve arm11", "--nonsense", "--method full", "--solve arm11 T --method quick",
-                                      "--solve arm11 T --budget 1kg", "--solve arm11 T --position-tolerance 0",
-                                      "--solve a.urdf T", "--solve arm11 T --start nowhere"}) {
+  for (const std::string arguments :
+       {"--solve arm11", "--nonsense", "--method full", "--solve arm11 T --method quick",
+        "--solve arm11 T --budget 1kg", "--solve arm11 T --position-tolerance 0", "--solve a.urdf T",
+        "--solve arm11 T --start nowhere", "--solve arm12 T", "--solve arm11 T --base thorax",
+        "--solve arm11 T --seed -1", "--solve arm11 T --budget 0", "--solve arm11 T --rotation-tolerance nan"}) {
     std::string line = arguments;
     if (const auto at = line.find(" T"); at != std::string::npos) line.replace(at, 2, " " + targets);
     const Outcome outcome = run(line);

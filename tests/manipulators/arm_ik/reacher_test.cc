@@ -35,6 +35,17 @@ TEST(Tracker, LeavesReachAndComesBackSmoothly) {
   EXPECT_LT(score.drift, 1e-3);
 }
 
+// where the way that was taken ends, another is found and travelled to at the joints' rate
+TEST(Tracker, AReacherLeavesADeadEnd) {
+  const Chain chain = panda();
+  const Packed packed(chain);
+  const TrackScore alone =
+      track(chain, 5, 100, [&](double largest) { return follower(chain, packed, 2 * largest / 0.01); });
+  const TrackScore limb = track(chain, 5, 100, [&](double largest) { return reacher(chain, 2 * largest / 0.01); });
+  EXPECT_EQ(limb.jumps, 0);
+  EXPECT_LT(limb.failed, alone.failed);
+}
+
 Pose in_front(double x, double y, double z) {
   Pose X;
   X.p = {x, y, z};

@@ -99,33 +99,42 @@ ARM_IK_INLINE Turns<N> turns_of(const Limb::Constants& k, const Vector<N>& targe
   return out;
 }
 
-ARM_IK_INLINE double wrapped(double angle, double middle) {
+template <class Real>
+ARM_IK_INLINE Real wrapped(Real angle, double middle) {
   // adding and taking away 1.5 * 2^52 rounds to the nearest integer without a call
   constexpr double turn = 2 * M_PI, rounder = 6755399441055744.0;
   return angle - turn * (((angle - middle) * (1 / turn) + rounder) - rounder);
 }
 
-ARM_IK_INLINE double excess_of(const Limb::Constants& k, const double* q) {
-  double excess = 0;
-  for (int i = 0; i < 4; ++i) excess = std::max({excess, q[i] - k.upper[i], k.lower[i] - q[i]});
-  return excess;
+/// Joint values and their largest excess over the limits; a number each, or a vector of eight.
+template <class Real>
+struct Joints {
+  Real q[4], excess;
+};
+
+// joint values from raw angles: the turn nearest to the middle of the range
+template <class Real>
+ARM_IK_INLINE Joints<Real> joints_of(const Limb::Constants& k, const Real* raw) {
+  Joints<Real> out;
+  out.excess = raw[0] - raw[0];
+  for (int i = 0; i < 4; ++i) {
+    out.q[i] = wrapped<Real>(raw[i] - k.offset[i], k.middle[i]);
+    const Real above = out.q[i] - k.upper[i], below = k.lower[i] - out.q[i];
+    out.excess = above > out.excess ? above : out.excess;
+    out.excess = below > out.excess ? below : out.excess;
+  }
+  return out;
 }
 
-// joint values from raw angles: the nearer turn, and the other shoulder branch where that suits the limits better
-ARM_IK_INLINE Limb::Answer finish(const Limb::Constants& k, const double* raw, double outside) {
-  Limb::Answer out;
-  for (int i = 0; i < 4; ++i) out.q[i] = wrapped(raw[i] - k.offset[i], k.middle[i]);
-  out.excess = excess_of(k, out.q);
-  // rounding at full stretch is not out of reach
-  out.reachable = outside <= 1e-12;
-  if (out.excess <= 0) return out;
-  Limb::Answer other = out;
-  other.q[0] = wrapped(raw[0] + M_PI - k.offset[0], k.middle[0]);
-  other.q[1] = wrapped(-raw[1] - k.offset[1], k.middle[1]);
-  other.q[2] = wrapped(raw[2] + M_PI - k.offset[2], k.middle[2]);
-  other.excess = excess_of(k, other.q);
-  return other.excess < out.excess ? other : out;
+// the shoulder's other branch, same posture
+template <class Real>
+ARM_IK_INLINE Joints<Real> other_joints_of(const Limb::Constants& k, const Real* raw) {
+  const Real other[4] = {raw[0] + M_PI, -raw[1], raw[2] + M_PI, raw[3]};
+  return joints_of(k, other);
 }
+
+// rounding at full stretch is not out of reach
+ARM_IK_INLINE bool reachable(double outside) { return outside <= 1e-12; }
 
 template <bool swings>
 ARM_IK_INLINE Limb::Answer solve_body(const Limb::Constants& k, const Eigen::Vector3d& target, double s, double c) {
@@ -136,7 +145,12 @@ ARM_IK_INLINE Limb::Answer solve_body(const Limb::Constants& k, const Eigen::Vec
                                 Real4{turns.c[0][0], turns.c[1][0], turns.c[2][0], turns.c[3][0]});
   double angles[4];
   store<4>(angles, raw);
-  return finish(k, angles, turns.outside[0]);
+  Joints<double> joints = joints_of(k, angles);
+  if (joints.excess > 0) {
+    const Joints<double> other = other_joints_of(k, angles);
+    if (other.excess < joints.excess) joints = other;
+  }
+  return {{joints.q[0], joints.q[1], joints.q[2], joints.q[3]}, joints.excess, reachable(turns.outside[0])};
 }
 
 Limb::Answer least_portable(const Limb::Constants& k, const Eigen::Vector3d& t) {
@@ -152,11 +166,16 @@ ARM_IK_INLINE void eight_body(const Limb::Constants& k, const double* targets, c
                               Limb::Answer* answers) {
   const Turns<8> turns = turns_of<8, swings>(k, {load<8>(targets), load<8>(targets + 8), load<8>(targets + 16)},
                                              swings ? load<8>(s) : Real8{}, swings ? load<8>(c) : Real8{});
-  alignas(64) double raw[4][8];
-  for (int i = 0; i < 4; ++i) store<8>(raw[i], angle_of<8>(turns.s[i], turns.c[i]));
+  Real8 raw[4];
+  for (int i = 0; i < 4; ++i) raw[i] = angle_of<8>(turns.s[i], turns.c[i]);
+  const Joints<Real8> first = joints_of(k, raw), other = other_joints_of(k, raw);
+  const Mask8 better = other.excess < first.excess;
+  alignas(64) double out[6][8];
+  for (int i = 0; i < 4; ++i) store<8>(out[i], better ? other.q[i] : first.q[i]);
+  store<8>(out[4], better ? other.excess : first.excess);
+  store<8>(out[5], turns.outside);
   for (int lane = 0; lane < 8; ++lane) {
-    const double angles[4] = {raw[0][lane], raw[1][lane], raw[2][lane], raw[3][lane]};
-    answers[lane] = finish(k, angles, turns.outside[lane]);
+    answers[lane] = {{out[0][lane], out[1][lane], out[2][lane], out[3][lane]}, out[4][lane], reachable(out[5][lane])};
   }
 }
 

@@ -68,10 +68,15 @@ Status Solver::status_of_nearest(const Goal& goal, std::span<const double> q) co
   return active_limits(goal, q).empty() ? Status::unreachable : Status::limited;
 }
 
+const Workspace& Solver::workspace() const {
+  if (!workspace_) workspace_ = std::make_unique<Workspace>(packed_);
+  return *workspace_;
+}
+
 void Solver::prepare() {
   if (!inner_) inner_ = std::make_unique<SeedBank>(packed_, SeedBank::default_count, 0, 1);
   if (!edge_) edge_ = std::make_unique<SeedBank>(packed_, SeedBank::default_count, edge_spill, 2);
-  if (!workspace_) workspace_ = std::make_unique<Workspace>(packed_);
+  (void)workspace();
   if (!outer_) outer_ = std::make_unique<OuterSeeds>(packed_);
 }
 
@@ -226,6 +231,8 @@ std::string Solver::reason(const Goal& goal, const Solution& solution, std::span
   out << solution.position_error << " m";
   if (goal.pose) out << " and " << solution.rotation_error << " rad";
   out << " left";
+  if (const double bound = workspace().distance_bound(goal); bound > 0)
+    out << "; no posture comes nearer than " << metres(bound);
   const double distance = (goal.target().p - chain_.base.p).norm();
   if (distance > packed_.reach)
     out << "; target " << metres(distance) << " away, reach at most " << metres(packed_.reach);

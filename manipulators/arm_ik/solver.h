@@ -50,7 +50,8 @@ class Solver {
   /// q (#joints): where they are, overwritten; unchanged when none is found, `status` then budget.
   Solution another_way(const Goal& goal, const SolveOptions& options, std::span<double> q);
 
-  /// The sentence behind a status: distance left, what is beyond reach, which joints stand at which limit and hold.
+  /// The sentence behind a status: distance left, what is proven to be left at least, what is beyond reach, which
+  /// joints stand at which limit and hold.
   std::string reason(const Goal& goal, const Solution& solution, std::span<const double> q) const;
 
   /// Joints that stand at a limit of theirs and would go on through it to lower the error: index, +1 upper or -1 lower.
@@ -70,11 +71,13 @@ class Solver {
   bool beyond_reach(const Goal& goal) const;
 
  private:
+  const Workspace& workspace() const;
+
   kinematics::Chain chain_;
   Packed packed_;
   std::unique_ptr<SeedBank> inner_, edge_;
   std::unique_ptr<OuterSeeds> outer_;
-  std::unique_ptr<Workspace> workspace_;
+  mutable std::unique_ptr<Workspace> workspace_;
 };
 
 }  // namespace arm_ik

@@ -71,6 +71,7 @@ TEST(Solver, SaysWhatKeepsItFromTheTarget) {
   const Solution beyond = solver.reach(away, {}, q);
   EXPECT_EQ(beyond.status, Status::unreachable);
   EXPECT_NE(solver.reason(away, beyond, q).find("target 3 m away, reach at most"), std::string::npos);
+  EXPECT_NE(solver.reason(away, beyond, q).find("; no posture comes nearer than 2."), std::string::npos);
   // behind the other shoulder, nearer than the links are long: only limits forbid it
   Pose behind;
   behind.p = {-0.6, 0.1, 0.3};

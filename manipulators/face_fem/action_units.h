@@ -18,14 +18,15 @@ struct Pull {
 /// An action unit of the Facial Action Coding System (Ekman and Friesen 1978): what a coder can tell apart. The muscles
 /// are those of its manual; activations, jaw and lids are our own and were tuned on pictures and on ICT-FaceKit.
 struct ActionUnit {
-  int number;             ///< as in AU12
+  int number = 0;         ///< as in AU12
   std::string_view name;  ///< the manual's: "lip corner puller"
-  bool sided;             ///< left and right can act alone (AU12L); the jaw cannot
+  bool sided = true;      ///< left and right can act alone (AU12L); the jaw cannot
   std::vector<Pull> pulls;
   double jaw = 0;        ///< opening of the jaw, parts of the widest
   double thrust = 0;     ///< protrusion of the jaw, parts of the farthest
   double upper_lid = 0;  ///< closure of the upper lid, parts of the opening at rest; negative widens
   double lower_lid = 0;  ///< likewise of the lower lid
+  double part = 0;       ///< how far the lips give up their seal
 };
 
 /// All units, numbers rising.

@@ -4,6 +4,8 @@
 #include "manipulators/face_fem/blas_setup.h"
 #include "manipulators/face_fem/build_command.h"
 #include "manipulators/face_fem/chart.h"
+#include "manipulators/face_fem/expression_check.h"
+#include "manipulators/face_fem/faces.h"
 #include "manipulators/face_fem/solve_command.h"
 
 namespace {
@@ -17,7 +19,9 @@ int usage(const std::string& sentence) {
 
 int main(int argc, char** argv) {
   face::prepare_blas(argv);
-  CLI::App app{"Facial tissue between bone and skin: finite elements, muscles, files."};
+  CLI::App app{
+      "Facial tissue between bone and skin: finite elements, muscles, expressions.\n"
+      "Without options it is a manipulator."};
   face::SolveRequest solve;
   std::string element, chart;
   app.add_option("--solve", solve.model, "solve a static job in the Abaqus/CalculiX input format")
@@ -45,6 +49,10 @@ int main(int argc, char** argv) {
   app.add_option("--write", build.write, "write tissue and load for CalculiX")->type_name("MODEL.inp")->needs(head);
   app.add_option("--surface", build.surface, "write the head as it moves")->type_name("OUT.obj")->needs(head);
   app.add_flag("--list", build.list, "print landmarks and muscles")->needs(head);
+  std::string compare;
+  app.add_option("--compare", compare, "measure expressions against those known of HEAD: expression,vertex,dx,dy,dz")
+      ->type_name("EXPRESSIONS.csv")
+      ->needs(head);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
@@ -54,8 +62,10 @@ int main(int argc, char** argv) {
   if (!element.empty()) solve.element = face::element_named(element);
   build.vtu = solve.vtu;
   build.nonlinear = solve.nonlinear;
+  if (!compare.empty()) return face::run_compare({build.head, compare, build.unit});
   if (!build.head.empty()) return face::run_build(build);
   if (!solve.model.empty()) return face::run_solve(solve);
   if (!chart.empty()) return face::run_chart(chart);
-  return usage("nothing to do; see --help");
+  if (argc > 1) return usage("nothing to do; see --help");
+  return face::Faces().run();
 }

@@ -1,0 +1,185 @@
+#include "manipulators/face_fem/expression_check.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <fstream>
+#include <map>
+#include <sstream>
+
+#include "manipulators/face_fem/actor.h"
+#include "manipulators/face_fem/expressions.h"
+#include "manipulators/mesh/read.h"
+
+namespace face {
+namespace {
+
+using Eigen::Vector3d;
+
+// our units beside the shapes of ICT-FaceKit, which go by the names of ARKit's
+struct Pairing {
+  const char* name;
+  std::vector<std::string_view> ours;
+  std::vector<std::string> theirs;
+};
+const Pairing pairings[] = {
+    {"smile", {"AU12"}, {"mouthSmile_L", "mouthSmile_R"}},
+    {"frown", {"AU15"}, {"mouthFrown_L", "mouthFrown_R"}},
+    {"brow_raise", {"AU1", "AU2"}, {"browInnerUp_L", "browInnerUp_R", "browOuterUp_L", "browOuterUp_R"}},
+    {"brow_lower", {"AU4"}, {"browDown_L", "browDown_R"}},
+    {"nose_wrinkle", {"AU9"}, {"noseSneer_L", "noseSneer_R"}},
+    {"pucker", {"AU18"}, {"mouthPucker"}},
+    {"stretch", {"AU20"}, {"mouthStretch_L", "mouthStretch_R"}},
+    {"upper_lip_up", {"AU10"}, {"mouthUpperUp_L", "mouthUpperUp_R"}},
+    {"lower_lip_down", {"AU16"}, {"mouthLowerDown_L", "mouthLowerDown_R"}},
+    {"cheek_raise", {"AU6"}, {"cheekSquint_L", "cheekSquint_R"}},
+    {"dimple", {"AU14"}, {"mouthDimple_L", "mouthDimple_R"}},
+    {"blink", {"AU45"}, {"eyeBlink_L", "eyeBlink_R"}},
+    {"jaw_open", {"AU27"}, {"jawOpen"}},
+};
+
+using Shapes = std::map<std::string, std::map<int, Vector3d>>;
+
+bool read_shapes(const CompareRequest& request, Shapes& shapes) {
+  std::ifstream file(request.expressions);
+  if (!file) {
+    std::fprintf(stderr, "face_fem: error io %s cannot be read\n", request.expressions.c_str());
+    return false;
+  }
+  int number = 0;
+  for (std::string line; std::getline(file, line);) {
+    ++number;
+    if (line.empty() || line[0] == '#' || line.starts_with("expression,")) continue;
+    std::replace(line.begin(), line.end(), ',', ' ');
+    std::istringstream words(line);
+    std::string name;
+    int vertex = -1;
+    Vector3d d;
+    if (!(words >> name >> vertex >> d.x() >> d.y() >> d.z()) || vertex < 0) {
+      std::fprintf(stderr, "face_fem: error syntax %s:%d: expected expression,vertex,dx,dy,dz\n",
+                   request.expressions.c_str(), number);
+      return false;
+    }
+    shapes[name][vertex] = request.unit * d;
+  }
+  return true;
+}
+
+struct Motion {
+  std::vector<Vector3d> d;  // by place in Actor::vertices()
+
+  double largest() const {
+    double most = 0;
+    for (const Vector3d& v : d) most = std::max(most, v.norm());
+    return most;
+  }
+};
+
+// where a motion is strongest on the left half, with the mirror image counted in: a mean place, metres
+Vector3d peak(const Motion& motion, const std::vector<Vector3d>& places) {
+  const double most = motion.largest();
+  Vector3d sum(0, 0, 0);
+  double weight = 0;
+  for (std::size_t k = 0; k < places.size(); ++k) {
+    const double share = motion.d[k].norm() / most;
+    if (share < 0.9) continue;
+    sum += share * Vector3d(std::abs(places[k].x()), places[k].y(), places[k].z());
+    weight += share;
+  }
+  return sum / weight;
+}
+
+// root mean square distance from the peak, weighted by motion, metres
+double extent(const Motion& motion, const std::vector<Vector3d>& places, const Vector3d& from) {
+  double sum = 0, weight = 0;
+  for (std::size_t k = 0; k < places.size(); ++k) {
+    const double m = motion.d[k].squaredNorm();
+    sum += m * (Vector3d(std::abs(places[k].x()), places[k].y(), places[k].z()) - from).squaredNorm();
+    weight += m;
+  }
+  return std::sqrt(sum / weight);
+}
+
+}  // namespace
+
+int run_compare(const CompareRequest& request) {
+  Shapes shapes;
+  if (!read_shapes(request, shapes)) return 1;
+  mesh::ReadOptions as_it_is;
+  as_it_is.weld = 0;
+  auto head = mesh::read_surface(request.head, as_it_is);
+  if (!head) {
+    std::fprintf(stderr, "face_fem: error %s\n", head.error().sentence.c_str());
+    return 1;
+  }
+  head->V *= float(request.unit);
+  FaceOptions options;
+  options.columns = request.columns;
+  options.rows = request.rows;
+  options.layers = request.layers;
+  auto built = build_face(*head, options);
+  if (!built) {
+    std::fprintf(stderr, "face_fem: error %s\n", built.error().sentence.c_str());
+    return 1;
+  }
+  auto made = Actor::make(std::move(*built));
+  if (!made) {
+    std::fprintf(stderr, "face_fem: error %s\n", made.error().sentence.c_str());
+    return 1;
+  }
+  const Actor& actor = **made;
+  (*made)->set_surface(head->V);
+  std::vector<std::string> names;
+  for (const Muscle& muscle : actor.face().muscles) names.push_back(muscle.name);
+  const Driver driver(names);
+
+  std::vector<Vector3d> places;
+  for (int v : actor.vertices()) places.push_back(head->V.row(v).transpose().cast<double>());
+  const auto nearest = [&](const Vector3d& p) {
+    std::size_t best = 0;
+    for (std::size_t k = 0; k < places.size(); ++k)
+      if ((places[k] - p).norm() < (places[best] - p).norm()) best = k;
+    return best;
+  };
+  const std::size_t corner = nearest(actor.face().landmark("left_mouth_corner").place);
+
+  std::printf("%-15s %9s %9s %9s %9s %9s %9s %9s %9s %9s %9s\n", "expression", "cosine", "peak_mm", "truth_mm",
+              "apart_mm", "extent_mm", "truth_mm", "corner_mm", "truth_mm", "strain", "status");
+  for (const Pairing& pairing : pairings) {
+    Motion truth, mine;
+    truth.d.assign(places.size(), Vector3d::Zero());
+    bool known = false;
+    for (const std::string& name : pairing.theirs) {
+      const auto shape = shapes.find(name);
+      if (shape == shapes.end()) continue;
+      known = true;
+      for (std::size_t k = 0; k < places.size(); ++k) {
+        const auto moved = shape->second.find(actor.vertices()[k]);
+        if (moved != shape->second.end()) truth.d[k] += moved->second;
+      }
+    }
+    if (!known) continue;
+    Levels levels{};
+    for (const auto& [place, level] : *parse_parts(pairing.ours)) levels[std::size_t(place)] = level;
+    Habits habits;
+    habits.aperture = actor.aperture();
+    const Frame frame = actor.frame(driver.drive(levels, {}, habits), FaceMethod::contact);
+    for (std::size_t k = 0; k < places.size(); ++k)
+      mine.d.push_back(Eigen::Map<const Eigen::Vector3f>(&frame.displacement[3 * k]).cast<double>());
+    double dot = 0, us = 0, them = 0;
+    for (std::size_t k = 0; k < places.size(); ++k) {
+      dot += mine.d[k].dot(truth.d[k]);
+      us += mine.d[k].squaredNorm();
+      them += truth.d[k].squaredNorm();
+    }
+    const Vector3d my_peak = peak(mine, places), true_peak = peak(truth, places);
+    std::printf("%-15s %9.3f %9.2f %9.2f %9.2f %9.1f %9.1f %9.2f %9.2f %9.2f %9s\n", pairing.name,
+                dot / std::sqrt(us * them), 1e3 * mine.largest(), 1e3 * truth.largest(),
+                1e3 * (my_peak - true_peak).norm(), 1e3 * extent(mine, places, my_peak),
+                1e3 * extent(truth, places, true_peak), 1e3 * mine.d[corner].norm(), 1e3 * truth.d[corner].norm(),
+                frame.validity.strain, frame.validity.word());
+  }
+  return 0;
+}
+
+}  // namespace face

@@ -9,6 +9,7 @@
 
 #include "manipulators/face_fem/actor.h"
 #include "manipulators/face_fem/expressions.h"
+#include "manipulators/face_fem/strength.h"
 #include "manipulators/mesh/read.h"
 
 namespace face {
@@ -65,6 +66,24 @@ bool read_shapes(const CompareRequest& request, Shapes& shapes) {
   return true;
 }
 
+// for each `v` line of an OBJ file the vertex of the surface read from it at that place, -1 for none: the reader merges
+// equal ones
+std::vector<int> surface_vertices(const std::string& path, const Eigen::MatrixX3f& V) {
+  std::map<std::array<float, 3>, int> known;
+  for (int k = 0; k < int(V.rows()); ++k) known[{V(k, 0), V(k, 1), V(k, 2)}] = k;
+  std::vector<int> vertices;
+  std::ifstream file(path);
+  for (std::string line; std::getline(file, line);) {
+    std::istringstream words(line);
+    std::string v;
+    std::array<float, 3> p{};
+    if (!(words >> v >> p[0] >> p[1] >> p[2]) || v != "v") continue;
+    const auto found = known.find(p);
+    vertices.push_back(found == known.end() ? -1 : found->second);
+  }
+  return vertices;
+}
+
 struct Motion {
   std::vector<Vector3d> d;  // by place in Actor::vertices()
 
@@ -105,13 +124,12 @@ double extent(const Motion& motion, const std::vector<Vector3d>& places, const V
 int run_compare(const CompareRequest& request) {
   Shapes shapes;
   if (!read_shapes(request, shapes)) return 1;
-  mesh::ReadOptions as_it_is;
-  as_it_is.weld = 0;
-  auto head = mesh::read_surface(request.head, as_it_is);
+  auto head = mesh::read_surface(request.head);
   if (!head) {
     std::fprintf(stderr, "face_fem: error %s\n", head.error().sentence.c_str());
     return 1;
   }
+  const std::vector<int> vertex_of_line = surface_vertices(request.head, head->V);
   head->V *= float(request.unit);
   FaceOptions options;
   options.columns = request.columns;
@@ -122,7 +140,7 @@ int run_compare(const CompareRequest& request) {
     std::fprintf(stderr, "face_fem: error %s\n", built.error().sentence.c_str());
     return 1;
   }
-  auto made = Actor::make(std::move(*built));
+  auto made = Actor::make(strengthened(std::move(*built)));
   if (!made) {
     std::fprintf(stderr, "face_fem: error %s\n", made.error().sentence.c_str());
     return 1;
@@ -153,14 +171,17 @@ int run_compare(const CompareRequest& request) {
       const auto shape = shapes.find(name);
       if (shape == shapes.end()) continue;
       known = true;
-      for (std::size_t k = 0; k < places.size(); ++k) {
-        const auto moved = shape->second.find(actor.vertices()[k]);
-        if (moved != shape->second.end()) truth.d[k] += moved->second;
+      for (const auto& [line, d] : shape->second) {
+        const int vertex = line < int(vertex_of_line.size()) ? vertex_of_line[std::size_t(line)] : -1;
+        const auto place = std::lower_bound(actor.vertices().begin(), actor.vertices().end(), vertex);
+        if (place != actor.vertices().end() && *place == vertex)
+          truth.d[std::size_t(place - actor.vertices().begin())] += d;
       }
     }
     if (!known) continue;
     Levels levels{};
-    for (const auto& [place, level] : *parse_parts(pairing.ours)) levels[std::size_t(place)] = level;
+    const auto parts = parse_parts(pairing.ours);
+    for (const auto& [place, level] : *parts) levels[std::size_t(place)] = level;
     Habits habits;
     habits.aperture = actor.aperture();
     const Frame frame = actor.frame(driver.drive(levels, {}, habits), FaceMethod::contact);

@@ -5,6 +5,7 @@
 
 #include "manipulators/face_fem/clock.h"
 #include "manipulators/face_fem/speech.h"
+#include "manipulators/face_fem/strength.h"
 #include "manipulators/mesh/find.h"
 #include "manipulators/mesh/read.h"
 #include "objdb/text.h"
@@ -371,7 +372,7 @@ bool Faces::make(const Object& object, Live& face) {
     face.fault = file + ": " + built.error().sentence;
     return false;
   }
-  auto actor = Actor::make(std::move(*built));
+  auto actor = Actor::make(strengthened(std::move(*built)));
   if (!actor) {
     face.fault = file + ": " + actor.error().sentence;
     return false;

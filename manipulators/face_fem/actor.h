@@ -21,6 +21,8 @@ enum class FaceMethod {
   solve,      ///< the same answer from a full linear solve, for comparison
   nonlinear,  ///< neo-Hookean tissue, Newton's method; no lip contact
 };
+constexpr std::array<FaceMethod, 4> all_face_methods = {FaceMethod::basis, FaceMethod::contact, FaceMethod::solve,
+                                                        FaceMethod::nonlinear};
 std::string_view name_of(FaceMethod method);
 
 /// What became of a frame.

@@ -18,6 +18,7 @@ struct Eyes {
 /// it. They touch where their sum is 1, and it never exceeds 1.
 struct LidPose {
   double upper = 0, lower = 0;
+  bool operator==(const LidPose&) const = default;
 };
 
 /// What a face is told to do at one moment: muscles, bones, lids.
@@ -27,6 +28,7 @@ struct Drive {
   double thrust = 0;               ///< metres forward
   std::array<LidPose, 2> lids;     ///< left, right
   double part = 0;                 ///< 0 lips sealed, 1 free
+  bool operator==(const Drive&) const = default;
 };
 
 /// How a face answers to levels. The defaults are a grown person's.

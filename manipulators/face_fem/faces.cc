@@ -470,10 +470,20 @@ void Faces::place_muscles(const Object& object, Live& face, std::vector<double>*
   }
 }
 
-FaceMethod Faces::method_of(const Object& object, const Drive&) const {
+// auto: the dearest that fits the time, or the cheapest that fits the error; without a budget the usual one
+FaceMethod Faces::method_of(const Object& object, const Live& face, const Drive& drive) const {
   const std::string_view word = me_.word(object, "method");
-  for (const FaceMethod method : {FaceMethod::basis, FaceMethod::contact, FaceMethod::solve, FaceMethod::nonlinear})
+  for (const FaceMethod method : all_face_methods)
     if (word == name_of(method)) return method;
+  const kit::Budget& budget = me_.budget();
+  if (budget.of == kit::Budget::Of::time) {
+    FaceMethod chosen = FaceMethod::basis;
+    for (const FaceMethod method : {FaceMethod::contact, FaceMethod::nonlinear})
+      if (nominal_time[static_cast<std::size_t>(method)] <= budget.value) chosen = method;
+    return chosen;
+  }
+  if (budget.of == kit::Budget::Of::error && face.actor->frame(drive, FaceMethod::contact).error > budget.value)
+    return FaceMethod::nonlinear;
   return FaceMethod::contact;
 }
 
@@ -497,7 +507,7 @@ void Faces::move(const Object& object, Live& face, const kit::Tick& now) {
   drive.activation.resize(std::size_t(face.actor->muscles()), 0.0);
   for (std::size_t m = 0; m < std::min(own_levels.size(), drive.activation.size()); ++m)
     drive.activation[m] = 1 - (1 - drive.activation[m]) * (1 - own_levels[m]);
-  show(object, face, levels, drive, method_of(object, drive));
+  show(object, face, drive);
 }
 
 // -- what it tells
@@ -510,12 +520,9 @@ void Faces::show_levels(const Object& object, const Levels& levels) {
   }
 }
 
-void Faces::show(const Object& object, Live& face, const Levels&, const Drive& drive, FaceMethod method) {
-  const bool same = face.shown && face.method == method && face.drive.activation == drive.activation &&
-                    face.drive.jaw == drive.jaw && face.drive.thrust == drive.thrust && face.drive.part == drive.part &&
-                    face.drive.lids[0].upper == drive.lids[0].upper &&
-                    face.drive.lids[0].lower == drive.lids[0].lower &&
-                    face.drive.lids[1].upper == drive.lids[1].upper && face.drive.lids[1].lower == drive.lids[1].lower;
+void Faces::show(const Object& object, Live& face, const Drive& drive) {
+  const FaceMethod method = method_of(object, face, drive);
+  const bool same = face.shown && face.method == method && face.drive == drive;
   if (!same) {
     const double start = cpu_seconds();
     const Frame frame = face.actor->frame(drive, method);

@@ -52,8 +52,8 @@ class Faces {
   void place_muscles(const Object& object, Live& face, std::vector<double>* own_levels);
   Eyes eyes_of(const Object& object) const;
   const Object* gaze_of(const Object& object) const;
-  FaceMethod method_of(const Object& object, const Drive& drive) const;
-  void show(const Object& object, Live& face, const Levels& levels, const Drive& drive, FaceMethod method);
+  FaceMethod method_of(const Object& object, const Live& face, const Drive& drive) const;
+  void show(const Object& object, Live& face, const Drive& drive);
   void show_levels(const Object& object, const Levels& levels);
   void report(const Object& object, const Live& face, const Frame& frame, FaceMethod method);
   void show_tissues(const Object& object, const Live& face, const Drive& drive);

@@ -14,26 +14,27 @@ struct Strength {
 };
 
 constexpr Strength table[] = {
-    {"frontalis_medial", 0.9, 0.012},
-    {"frontalis_lateral", 0.9, 0.012},
+    {"frontalis_medial", 1.3, 0.014},
+    {"frontalis_lateral", 0.8, 0.014},
     {"corrugator", 0.9, 0.008},
     {"depressor_supercilii", 1.0, 0.007},
     {"procerus", 1.0, 0.007},
     {"orbicularis_oculi_orbital", 0.8, 0.010},
     {"orbicularis_oculi_palpebral", 0.5, 0.005},
-    {"zygomaticus_major", 2.2, 0.010, 0.75},
-    {"zygomaticus_minor", 1.5, 0.008},
-    {"levator_labii_alaeque", 3.0, 0.007},
-    {"levator_labii", 0.9, 0.008},
+    {"zygomaticus_major", 2.0, 0.011, 0.9},
+    {"zygomaticus_minor", 1.5, 0.009},
+    {"levator_labii_alaeque", 2.6, 0.008},
+    {"levator_labii", 0.6, 0.008},
     {"levator_anguli", 1.0, 0.008, 0.5},
-    {"depressor_anguli", 0.8, 0.008, 0.75},
-    {"depressor_labii", 0.4, 0.006},
-    {"risorius", 1.2, 0.010, 0.6},
-    {"buccinator", 0.6, 0.008, 0.5},
-    {"mentalis", 0.8, 0.007},
-    {"platysma", 0.5, 0.009},
+    {"depressor_anguli", 0.5, 0.009, 0.75},
+    {"depressor_labii", 0.4, 0.007},
+    {"risorius", 1.4, 0.011, 0.7},
+    {"buccinator", 0.45, 0.010, 0.5},
+    {"mentalis", 0.8, 0.008},
+    {"platysma", 0.5, 0.010},
     {"orbicularis_oris_marginal", 0.4, 0.005},
     {"orbicularis_oris_peripheral", 0.5, 0.007},
+    {"incisivus", 1.0, 0.008},
 };
 
 std::string_view kind_of(std::string_view name) {
@@ -44,33 +45,72 @@ std::string_view kind_of(std::string_view name) {
 
 // the height of the lower face of the heads that the table was fitted on, nasion to menton, metres
 constexpr double fitted_height = 0.105;
+// a muscle that ends at the modiolus is woven into the cheek before: the parts of its force that pull there and on the
+// way to where its fibre ended
+constexpr double at_modiolus = 0.6, before = 0.4;
+// incisivus, newtons of each of its two strands
+constexpr double incisivus_force = 1.2;
 // from the corner of the mouth, outward and inward into the head, metres
 constexpr double modiolus_out = 0.004, modiolus_in = 0.004;
+
+const Eigen::Vector3d* place(const Face& face, const std::string& name) {
+  for (const Landmark& mark : face.landmarks)
+    if (mark.name == name) return &mark.place;
+  return nullptr;
+}
+
+Eigen::Vector3d modiolus_at(const Eigen::Vector3d& corner, double scale) {
+  return corner + scale * Eigen::Vector3d(corner.x() > 0 ? modiolus_out : -modiolus_out, 0, -modiolus_in);
+}
+
+// Incisivus labii superioris and inferioris: from the bone over the lateral incisors to the modiolus. They draw the
+// corners together and forward, which is what purses the lips; a ring alone only presses them on the teeth.
+void add_incisivus(Face& face, double scale) {
+  const Eigen::Vector3d *upper = place(face, "upper_lip"), *lower = place(face, "lower_lip");
+  for (const std::string side : {"left_", "right_"}) {
+    const Eigen::Vector3d* corner = place(face, side + "mouth_corner");
+    if (corner == nullptr || upper == nullptr || lower == nullptr) continue;
+    Muscle muscle{side + "incisivus", {}};
+    for (const double up : {1.0, -1.0}) {
+      Strand strand;
+      strand.origin =
+          (up > 0 ? *upper : *lower) + scale * Eigen::Vector3d(corner->x() > 0 ? 0.006 : -0.006, 0.008 * up, -0.004);
+      strand.insertion = modiolus_at(*corner, scale);
+      strand.insertion_radius = 0.008;
+      strand.force = incisivus_force;
+      muscle.strands.push_back(strand);
+    }
+    face.muscles.push_back(std::move(muscle));
+    face.muscle_notes.push_back({MuscleSource::anatomy, incisivus_force * 2 / 100e3});
+  }
+}
 
 }  // namespace
 
 Face strengthened(Face face) {
-  const auto place = [&](const std::string& name) -> const Eigen::Vector3d* {
-    for (const Landmark& mark : face.landmarks)
-      if (mark.name == name) return &mark.place;
-    return nullptr;
-  };
-  const Eigen::Vector3d *nasion = place("nasion"), *menton = place("menton");
+  const Eigen::Vector3d *nasion = place(face, "nasion"), *menton = place(face, "menton");
   const double scale = nasion && menton ? (nasion->y() - menton->y()) / fitted_height : 1;
+  add_incisivus(face, scale);
   for (Muscle& muscle : face.muscles)
     for (const Strength& row : table) {
       if (row.muscle != kind_of(muscle.name)) continue;
       const std::string side = muscle.name.substr(0, muscle.name.find('_') + 1);
-      const Eigen::Vector3d* corner = row.to_modiolus > 0 ? place(side + "mouth_corner") : nullptr;
+      const Eigen::Vector3d* corner = row.to_modiolus > 0 ? place(face, side + "mouth_corner") : nullptr;
+      std::vector<Strand> woven;
       for (Strand& strand : muscle.strands) {
         strand.force *= row.force;
         if (strand.origin_radius > 0) strand.origin_radius = row.radius * scale;
         if (strand.insertion_radius > 0) strand.insertion_radius = row.radius * scale;
         if (corner == nullptr) continue;
-        const double out = corner->x() > 0 ? modiolus_out : -modiolus_out;
-        const Eigen::Vector3d modiolus = *corner + scale * Eigen::Vector3d(out, 0, -modiolus_in);
+        const Eigen::Vector3d modiolus = modiolus_at(*corner, scale);
+        Strand cheek = strand;
+        cheek.force *= before;
+        cheek.insertion += 0.4 * row.to_modiolus * (modiolus - strand.insertion);
+        woven.push_back(cheek);
+        strand.force *= at_modiolus;
         strand.insertion += row.to_modiolus * (modiolus - strand.insertion);
       }
+      muscle.strands.insert(muscle.strands.end(), woven.begin(), woven.end());
     }
   return face;
 }

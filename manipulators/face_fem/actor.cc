@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "manipulators/face_fem/clock.h"
+#include "manipulators/face_fem/column_sum.h"
 #include "manipulators/face_fem/neo_hookean.h"
 
 namespace face {
@@ -14,6 +15,9 @@ constexpr std::string_view words[] = {"basis", "contact", "solve", "nonlinear"};
 
 // how far from the eye's centre, in its radii, a vertex may come to lie on it
 constexpr double near_eye = 1.6;
+
+// beyond this many columns a sum at the nodes, carried to the vertices, is cheaper
+constexpr int most_at_vertices = 48;
 
 // Linear and neo-Hookean answers differ by a hundredth for each millimetre of motion (docs/face.md): this times its
 // square, metres
@@ -94,6 +98,7 @@ Status Actor::build() {
   lips_ = std::make_unique<LipContact>(model, face_.lips, held, *basis_);
   places_.lips = lips_->first_column();
   for (int c = 0; c < basis_->columns(); ++c) strain_->read(model, basis_->column(c), c);
+  for (int c = 0; c < places_.lips; ++c) keep_at_vertices(c);
   return success();
 }
 
@@ -112,7 +117,13 @@ Status Actor::set_muscle(int m, const Muscle& muscle) {
   const int column = column_[std::size_t(m)];
   lips_->read(*basis_, column);
   strain_->read(face_.model, basis_->column(column), column);
+  keep_at_vertices(column);
   return success();
+}
+
+void Actor::keep_at_vertices(int column) {
+  if (int(at_vertices_.size()) <= column) at_vertices_.resize(std::size_t(column) + 1);
+  carry(basis_->column(column), at_vertices_[std::size_t(column)]);
 }
 
 std::vector<double> Actor::amounts(const Drive& drive) const {
@@ -180,6 +191,29 @@ void Actor::carry(const Field& u, std::vector<float>& displacement) const {
   face_.carrier.carry(nodes.data(), displacement.data());
 }
 
+// A few columns are summed at the vertices; many, such as those of the lips, at the nodes, which are fewer but have to
+// be carried then.
+void Actor::sum_columns(const std::vector<double>& amounts, std::vector<float>& displacement) const {
+  std::vector<const float*> active;
+  std::vector<float> amount;
+  bool lips = false;
+  for (std::size_t c = 0; c < amounts.size(); ++c) {
+    if (amounts[c] == 0) continue;
+    lips = lips || c >= at_vertices_.size() || at_vertices_[c].empty();
+    if (lips) break;
+    active.push_back(at_vertices_[c].data());
+    amount.push_back(float(amounts[c]));
+  }
+  displacement.assign(3 * vertices().size(), 0.0f);
+  if (!lips && int(active.size()) <= most_at_vertices) {
+    add_columns(active.data(), amount.data(), int(active.size()), displacement.size(), displacement.data());
+    return;
+  }
+  std::vector<float> nodes(3 * face_.carrier.nodes().size());
+  basis_->frame(amounts.data(), nodes.data());
+  face_.carrier.carry(nodes.data(), displacement.data());
+}
+
 Frame Actor::frame(const Drive& drive, FaceMethod method) const {
   Frame frame;
   frame.jaw = drive.jaw;
@@ -205,10 +239,7 @@ Frame Actor::frame(const Drive& drive, FaceMethod method) const {
   if (method == FaceMethod::solve) {
     carry(field(drive, method), frame.displacement);
   } else {
-    std::vector<float> nodes(3 * face_.carrier.nodes().size());
-    basis_->frame(sums.data(), nodes.data());
-    frame.displacement.resize(3 * vertices().size());
-    face_.carrier.carry(nodes.data(), frame.displacement.data());
+    sum_columns(sums, frame.displacement);
   }
   double farthest = 0;
   for (std::size_t v = 0; v + 2 < frame.displacement.size(); v += 3)

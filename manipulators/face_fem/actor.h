@@ -81,6 +81,8 @@ class Actor {
   Field load_of_all(const Drive& drive) const;
   std::vector<double> amounts(const Drive& drive) const;
   void press(const Drive& drive, std::vector<double>& amounts, Frame* frame) const;
+  void sum_columns(const std::vector<double>& amounts, std::vector<float>& displacement) const;
+  void keep_at_vertices(int column);
   void keep_clear_of_eyes(std::vector<float>& displacement) const;
   void carry(const Field& u, std::vector<float>& displacement) const;
 
@@ -99,6 +101,8 @@ class Actor {
   std::vector<int> column_;   // by muscle
   std::vector<LidPath> lids_;
   std::unique_ptr<Basis> basis_;
+  // columns carried to the vertices, for few of them at a time; none for those of the lips
+  std::vector<std::vector<float>> at_vertices_;
   std::unique_ptr<LipContact> lips_;
   std::unique_ptr<StrainWatch> strain_;
   Places places_;

@@ -8,6 +8,7 @@
 #include <sstream>
 
 #include "manipulators/face_fem/actor.h"
+#include "manipulators/face_fem/clock.h"
 #include "manipulators/face_fem/expressions.h"
 #include "manipulators/face_fem/strength.h"
 #include "manipulators/mesh/read.h"
@@ -161,8 +162,8 @@ int run_compare(const CompareRequest& request) {
   };
   const std::size_t corner = nearest(actor.face().landmark("left_mouth_corner").place);
 
-  std::printf("%-15s %9s %9s %9s %9s %9s %9s %9s %9s %9s %9s\n", "expression", "cosine", "peak_mm", "truth_mm",
-              "apart_mm", "extent_mm", "truth_mm", "corner_mm", "truth_mm", "strain", "status");
+  std::printf("%-15s %9s %9s %9s %9s %9s %9s %9s %9s %9s %9s %9s\n", "expression", "cosine", "peak_mm", "truth_mm",
+              "apart_mm", "extent_mm", "truth_mm", "corner_mm", "truth_mm", "strain", "frame_ms", "status");
   for (const Pairing& pairing : pairings) {
     Motion truth, mine;
     truth.d.assign(places.size(), Vector3d::Zero());
@@ -184,7 +185,14 @@ int run_compare(const CompareRequest& request) {
     for (const auto& [place, level] : *parts) levels[std::size_t(place)] = level;
     Habits habits;
     habits.aperture = actor.aperture();
-    const Frame frame = actor.frame(driver.drive(levels, {}, habits), FaceMethod::contact);
+    const Drive drive = driver.drive(levels, {}, habits);
+    double milliseconds = 1e9;
+    Frame frame;
+    for (int run = 0; run < 5; ++run) {
+      const double start = cpu_seconds();
+      frame = actor.frame(drive, FaceMethod::contact);
+      milliseconds = std::min(milliseconds, 1e3 * (cpu_seconds() - start));
+    }
     for (std::size_t k = 0; k < places.size(); ++k)
       mine.d.push_back(Eigen::Map<const Eigen::Vector3f>(&frame.displacement[3 * k]).cast<double>());
     double dot = 0, us = 0, them = 0;
@@ -194,12 +202,22 @@ int run_compare(const CompareRequest& request) {
       them += truth.d[k].squaredNorm();
     }
     const Vector3d my_peak = peak(mine, places), true_peak = peak(truth, places);
-    std::printf("%-15s %9.3f %9.2f %9.2f %9.2f %9.1f %9.1f %9.2f %9.2f %9.2f %9s\n", pairing.name,
+    std::printf("%-15s %9.3f %9.2f %9.2f %9.2f %9.1f %9.1f %9.2f %9.2f %9.2f %9.3f %9s\n", pairing.name,
                 dot / std::sqrt(us * them), 1e3 * mine.largest(), 1e3 * truth.largest(),
                 1e3 * (my_peak - true_peak).norm(), 1e3 * extent(mine, places, my_peak),
                 1e3 * extent(truth, places, true_peak), 1e3 * mine.d[corner].norm(), 1e3 * truth.d[corner].norm(),
-                frame.validity.strain, frame.validity.word());
+                frame.validity.strain, milliseconds, frame.validity.word());
   }
+  std::vector<double> all(std::size_t(actor.muscles()), 0.5);
+  Drive drive;
+  drive.activation = all;
+  double milliseconds = 1e9;
+  for (int run = 0; run < 50; ++run) {
+    const double start = cpu_seconds();
+    if (actor.frame(drive, FaceMethod::basis).displacement.empty()) return 1;
+    milliseconds = std::min(milliseconds, 1e3 * (cpu_seconds() - start));
+  }
+  std::printf("all %d muscles, %zu vertices: basis %.3f ms a frame\n", actor.muscles(), places.size(), milliseconds);
   return 0;
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "manipulators/face_fem/clock.h"
 #include "manipulators/face_fem/speech.h"
@@ -410,7 +411,7 @@ Eyes Faces::eyes_of(const Object& object) const {
 
 // objects of type muscle below the face: those named as a muscle of its own stand for it, others are added
 void Faces::place_muscles(const Object& object, Live& face, std::vector<double>* own_levels) {
-  face.muscle_fault.clear();
+  const std::string fault_before = std::exchange(face.muscle_fault, {});
   std::vector<Muscle> wanted = face.placed;
   std::vector<std::pair<const Object*, std::size_t>> shown;
   for (const Object* one : me_.objects("muscle")) {
@@ -468,6 +469,7 @@ void Faces::place_muscles(const Object& object, Live& face, std::vector<double>*
     }
     face.shown = false;
   }
+  if (face.muscle_fault != fault_before) face.shown = false;
 }
 
 // auto: the dearest that fits the time, or the cheapest that fits the error; without a budget the usual one

@@ -3,6 +3,7 @@
 #include <Eigen/Dense>
 #include <algorithm>
 
+#include "manipulators/face_fem/column_sum.h"
 #include "manipulators/face_fem/shape.h"
 
 namespace face {
@@ -39,12 +40,14 @@ Validity StrainWatch::measure(const std::vector<double>& amounts) const {
   Validity validity;
   const std::size_t count = elements_.size();
   std::vector<float> sum(9 * count, 0.0f);
+  std::vector<const float*> active;
+  std::vector<float> amount;
   for (std::size_t c = 0; c < columns_.size(); ++c) {
-    const auto amount = float(amounts[c]);
-    if (amount == 0 || columns_[c].empty()) continue;
-    const float* column = columns_[c].data();
-    for (std::size_t k = 0; k < 9 * count; ++k) sum[k] += amount * column[k];
+    if (amounts[c] == 0 || columns_[c].empty()) continue;
+    active.push_back(columns_[c].data());
+    amount.push_back(float(amounts[c]));
   }
+  add_columns(active.data(), amount.data(), int(active.size()), 9 * count, sum.data());
   for (std::size_t k = 0; k < count; ++k) {
     Eigen::Matrix3f H;
     for (int i = 0; i < 9; ++i) H(i / 3, i % 3) = sum[std::size_t(i) * count + k];

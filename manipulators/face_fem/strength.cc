@@ -1,5 +1,7 @@
 #include "manipulators/face_fem/strength.h"
 
+#include <algorithm>
+#include <cmath>
 #include <string>
 #include <string_view>
 
@@ -11,17 +13,18 @@ struct Strength {
   double force;            // factor
   double radius;           // of the ends in tissue, metres
   double to_modiolus = 0;  // share of the way that the insertion is drawn there
+  double inward = 0;       // towards the middle plane, metres
 };
 
 constexpr Strength table[] = {
-    {"frontalis_medial", 1.3, 0.014},
-    {"frontalis_lateral", 0.8, 0.014},
+    {"frontalis_medial", 1.1, 0.014, 0, 0.005},
+    {"frontalis_lateral", 0.7, 0.014},
     {"corrugator", 0.9, 0.008},
     {"depressor_supercilii", 1.0, 0.007},
     {"procerus", 1.0, 0.007},
     {"orbicularis_oculi_orbital", 0.8, 0.010},
     {"orbicularis_oculi_palpebral", 0.5, 0.005},
-    {"zygomaticus_major", 2.0, 0.011, 0.9},
+    {"zygomaticus_major", 2.4, 0.012, 0.85},
     {"zygomaticus_minor", 1.5, 0.009},
     {"levator_labii_alaeque", 2.6, 0.008},
     {"levator_labii", 0.6, 0.008},
@@ -47,7 +50,7 @@ std::string_view kind_of(std::string_view name) {
 constexpr double fitted_height = 0.105;
 // a muscle that ends at the modiolus is woven into the cheek before: the parts of its force that pull there and on the
 // way to where its fibre ended
-constexpr double at_modiolus = 0.6, before = 0.4;
+constexpr double at_modiolus = 0.5, before = 0.5;
 // incisivus, newtons of each of its two strands
 constexpr double incisivus_force = 1.2;
 // from the corner of the mouth, outward and inward into the head, metres
@@ -99,13 +102,15 @@ Face strengthened(Face face) {
       std::vector<Strand> woven;
       for (Strand& strand : muscle.strands) {
         strand.force *= row.force;
+        for (Eigen::Vector3d* end : {&strand.origin, &strand.insertion})
+          end->x() -= std::copysign(std::min(row.inward * scale, std::abs(end->x())), end->x());
         if (strand.origin_radius > 0) strand.origin_radius = row.radius * scale;
         if (strand.insertion_radius > 0) strand.insertion_radius = row.radius * scale;
         if (corner == nullptr) continue;
         const Eigen::Vector3d modiolus = modiolus_at(*corner, scale);
         Strand cheek = strand;
         cheek.force *= before;
-        cheek.insertion += 0.4 * row.to_modiolus * (modiolus - strand.insertion);
+        cheek.insertion += 0.3 * row.to_modiolus * (modiolus - strand.insertion);
         woven.push_back(cheek);
         strand.force *= at_modiolus;
         strand.insertion += row.to_modiolus * (modiolus - strand.insertion);

@@ -162,8 +162,11 @@ int run_compare(const CompareRequest& request) {
   };
   const std::size_t corner = nearest(actor.face().landmark("left_mouth_corner").place);
 
-  std::printf("%-15s %9s %9s %9s %9s %9s %9s %9s %9s %9s %9s %9s\n", "expression", "cosine", "peak_mm", "truth_mm",
-              "apart_mm", "extent_mm", "truth_mm", "corner_mm", "truth_mm", "strain", "frame_ms", "status");
+  std::printf("%-15s", "expression");
+  for (const char* title : {"cosine", "peak_mm", "truth_mm", "apart_mm", "extent_mm", "truth_mm", "corner_mm",
+                            "truth_mm", "cosine", "strain", "frame_ms", "status"})
+    std::printf(" %9s", title);
+  std::printf("\n");
   for (const Pairing& pairing : pairings) {
     Motion truth, mine;
     truth.d.assign(places.size(), Vector3d::Zero());
@@ -202,11 +205,12 @@ int run_compare(const CompareRequest& request) {
       them += truth.d[k].squaredNorm();
     }
     const Vector3d my_peak = peak(mine, places), true_peak = peak(truth, places);
-    std::printf("%-15s %9.3f %9.2f %9.2f %9.2f %9.1f %9.1f %9.2f %9.2f %9.2f %9.3f %9s\n", pairing.name,
+    std::printf("%-15s %9.3f %9.2f %9.2f %9.2f %9.1f %9.1f %9.2f %9.2f %9.2f %9.2f %9.3f %9s\n", pairing.name,
                 dot / std::sqrt(us * them), 1e3 * mine.largest(), 1e3 * truth.largest(),
                 1e3 * (my_peak - true_peak).norm(), 1e3 * extent(mine, places, my_peak),
                 1e3 * extent(truth, places, true_peak), 1e3 * mine.d[corner].norm(), 1e3 * truth.d[corner].norm(),
-                frame.validity.strain, milliseconds, frame.validity.word());
+                mine.d[corner].normalized().dot(truth.d[corner].normalized()), frame.validity.strain, milliseconds,
+                frame.validity.word());
   }
   std::vector<double> all(std::size_t(actor.muscles()), 0.5);
   Drive drive;

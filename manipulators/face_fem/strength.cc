@@ -10,26 +10,27 @@ namespace {
 
 struct Strength {
   std::string_view muscle;
-  double force;            // factor
-  double radius;           // of the ends in tissue, metres
-  double to_modiolus = 0;  // share of the way that the insertion is drawn there
-  double inward = 0;       // towards the middle plane, metres
+  double force;                        // factor
+  double radius;                       // of the ends in tissue, metres
+  double to_modiolus = 0;              // share of the way that the insertion is drawn there
+  double outward = 0;                  // both ends away from the middle plane, metres
+  Eigen::Vector3d origin = {0, 0, 0};  // shift of the end in bone: outward, up, forward, metres
 };
 
-constexpr Strength table[] = {
-    {"frontalis_medial", 1.1, 0.014, 0, 0.005},
+const Strength table[] = {
+    {"frontalis_medial", 1.1, 0.014, 0, -0.005},
     {"frontalis_lateral", 0.7, 0.014},
-    {"corrugator", 0.9, 0.008},
+    {"corrugator", 1.1, 0.011, 0, 0.006},
     {"depressor_supercilii", 1.0, 0.007},
     {"procerus", 1.0, 0.007},
-    {"orbicularis_oculi_orbital", 0.8, 0.010},
+    {"orbicularis_oculi_orbital", 0.6, 0.010},
     {"orbicularis_oculi_palpebral", 0.5, 0.005},
-    {"zygomaticus_major", 2.4, 0.012, 0.85},
+    {"zygomaticus_major", 2.4, 0.012, 0.85, 0, {0, -0.012, -0.014}},
     {"zygomaticus_minor", 1.5, 0.009},
     {"levator_labii_alaeque", 2.6, 0.008},
-    {"levator_labii", 0.6, 0.008},
+    {"levator_labii", 0.8, 0.009, 0, 0.003},
     {"levator_anguli", 1.0, 0.008, 0.5},
-    {"depressor_anguli", 0.5, 0.009, 0.75},
+    {"depressor_anguli", 0.5, 0.009, 0.75, 0, {0.008, 0, -0.008}},
     {"depressor_labii", 0.4, 0.007},
     {"risorius", 1.4, 0.011, 0.7},
     {"buccinator", 0.45, 0.010, 0.5},
@@ -38,6 +39,7 @@ constexpr Strength table[] = {
     {"orbicularis_oris_marginal", 0.4, 0.005},
     {"orbicularis_oris_peripheral", 0.5, 0.007},
     {"incisivus", 1.0, 0.008},
+    {"malaris", 1.0, 0.012},
 };
 
 std::string_view kind_of(std::string_view name) {
@@ -53,6 +55,8 @@ constexpr double fitted_height = 0.105;
 constexpr double at_modiolus = 0.5, before = 0.5;
 // incisivus, newtons of each of its two strands
 constexpr double incisivus_force = 1.2;
+// malaris, likewise
+constexpr double malaris_force = 1.5;
 // from the corner of the mouth, outward and inward into the head, metres
 constexpr double modiolus_out = 0.004, modiolus_in = 0.004;
 
@@ -67,7 +71,8 @@ Eigen::Vector3d modiolus_at(const Eigen::Vector3d& corner, double scale) {
 }
 
 // Incisivus labii superioris and inferioris: from the bone over the lateral incisors to the modiolus. They draw the
-// corners together and forward, which is what purses the lips; a ring alone only presses them on the teeth.
+// corners together and forward, which is what purses the lips; a ring alone only presses them on the teeth. The end in
+// bone is put before the teeth, for what the flesh does that is bunched between them and pushed outward.
 void add_incisivus(Face& face, double scale) {
   const Eigen::Vector3d *upper = place(face, "upper_lip"), *lower = place(face, "lower_lip");
   for (const std::string side : {"left_", "right_"}) {
@@ -77,7 +82,7 @@ void add_incisivus(Face& face, double scale) {
     for (const double up : {1.0, -1.0}) {
       Strand strand;
       strand.origin =
-          (up > 0 ? *upper : *lower) + scale * Eigen::Vector3d(corner->x() > 0 ? 0.006 : -0.006, 0.008 * up, -0.004);
+          (up > 0 ? *upper : *lower) + scale * Eigen::Vector3d(corner->x() > 0 ? 0.006 : -0.006, 0.006 * up, 0.004);
       strand.insertion = modiolus_at(*corner, scale);
       strand.insertion_radius = 0.008;
       strand.force = incisivus_force;
@@ -88,12 +93,34 @@ void add_incisivus(Face& face, double scale) {
   }
 }
 
+// Musculus malaris, the part of orbicularis oculi that hangs the cheek on the rim of the orbit: it lifts the cheek,
+// which the ring alone does not. From the rim beside the outer canthus to the skin over the cheekbone.
+void add_malaris(Face& face, double scale) {
+  for (const std::string side : {"left_", "right_"}) {
+    const Eigen::Vector3d *canthus = place(face, side + "outer_canthus"), *cheek = place(face, side + "cheekbone");
+    if (canthus == nullptr || cheek == nullptr) continue;
+    const double out = canthus->x() > 0 ? scale : -scale;
+    Muscle muscle{side + "malaris", {}};
+    for (const double across : {-0.010, 0.004}) {
+      Strand strand;
+      strand.origin = *canthus + Eigen::Vector3d(0.006 * out, 0.010 * scale, -0.002 * scale);
+      strand.insertion = *cheek + Eigen::Vector3d(across * out, -0.004 * scale, -0.005 * scale);
+      strand.insertion_radius = 0.012;
+      strand.force = malaris_force;
+      muscle.strands.push_back(strand);
+    }
+    face.muscles.push_back(std::move(muscle));
+    face.muscle_notes.push_back({MuscleSource::anatomy, malaris_force * 2 / 100e3});
+  }
+}
+
 }  // namespace
 
 Face strengthened(Face face) {
   const Eigen::Vector3d *nasion = place(face, "nasion"), *menton = place(face, "menton");
   const double scale = nasion && menton ? (nasion->y() - menton->y()) / fitted_height : 1;
   add_incisivus(face, scale);
+  add_malaris(face, scale);
   for (Muscle& muscle : face.muscles)
     for (const Strength& row : table) {
       if (row.muscle != kind_of(muscle.name)) continue;
@@ -103,7 +130,9 @@ Face strengthened(Face face) {
       for (Strand& strand : muscle.strands) {
         strand.force *= row.force;
         for (Eigen::Vector3d* end : {&strand.origin, &strand.insertion})
-          end->x() -= std::copysign(std::min(row.inward * scale, std::abs(end->x())), end->x());
+          end->x() += std::copysign(std::max(row.outward * scale, -std::abs(end->x())), end->x());
+        strand.origin +=
+            scale * Eigen::Vector3d(std::copysign(row.origin.x(), strand.origin.x()), row.origin.y(), row.origin.z());
         if (strand.origin_radius > 0) strand.origin_radius = row.radius * scale;
         if (strand.insertion_radius > 0) strand.insertion_radius = row.radius * scale;
         if (corner == nullptr) continue;

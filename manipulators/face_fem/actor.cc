@@ -17,7 +17,7 @@ constexpr std::string_view words[] = {"basis", "contact", "solve", "nonlinear"};
 constexpr double near_eye = 1.6;
 
 // beyond this many columns a sum at the nodes, carried to the vertices, is cheaper
-constexpr int most_at_vertices = 48;
+constexpr int most_at_vertices = 16;
 
 // Linear and neo-Hookean answers differ by a hundredth for each millimetre of motion (docs/face.md): this times its
 // square, metres

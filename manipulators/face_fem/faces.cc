@@ -309,11 +309,12 @@ Faces::Answer<std::string> Faces::show_muscles(Words words) {
   Live& face = live(**object);
   if (!make(**object, face))
     return objdb::Error{ErrorKind::unknown, (*object)->path + ": " + face.fault, words[0].column};
+  const std::vector<const Object*> shown = me_.objects("muscle");
   for (const Muscle& muscle : face.placed)
     for (std::size_t k = 0; k < muscle.strands.size(); ++k) {
       const std::string path = (*object)->path + "/" + muscle.name + (k == 0 ? "" : "_" + std::to_string(k + 1));
-      const bool there = std::any_of(me_.objects("muscle").begin(), me_.objects("muscle").end(),
-                                     [&](const Object* each) { return each->path == path; });
+      const bool there =
+          std::any_of(shown.begin(), shown.end(), [&](const Object* each) { return each->path == path; });
       if (words[1].text == "on" && !there) me_.say("create muscle " + path);
       if (words[1].text == "off" && there) me_.say("delete " + path);
     }

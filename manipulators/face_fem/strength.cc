@@ -18,14 +18,14 @@ struct Strength {
 };
 
 const Strength table[] = {
-    {"frontalis_medial", 1.1, 0.014, 0, -0.005},
+    {"frontalis_medial", 1.2, 0.014, 0, -0.005},
     {"frontalis_lateral", 0.7, 0.014},
     {"corrugator", 1.1, 0.011, 0, 0.006},
     {"depressor_supercilii", 1.0, 0.007},
     {"procerus", 1.0, 0.007},
     {"orbicularis_oculi_orbital", 0.6, 0.010},
     {"orbicularis_oculi_palpebral", 0.5, 0.005},
-    {"zygomaticus_major", 2.4, 0.012, 0.85, 0, {0, -0.012, -0.014}},
+    {"zygomaticus_major", 2.2, 0.012, 0.85, 0, {0.012, 0, 0}},
     {"zygomaticus_minor", 1.5, 0.009},
     {"levator_labii_alaeque", 2.6, 0.008},
     {"levator_labii", 0.8, 0.009, 0, 0.003},
@@ -125,14 +125,15 @@ Face strengthened(Face face) {
     for (const Strength& row : table) {
       if (row.muscle != kind_of(muscle.name)) continue;
       const std::string side = muscle.name.substr(0, muscle.name.find('_') + 1);
+      const double outward = side == "right_" ? -1 : 1;
       const Eigen::Vector3d* corner = row.to_modiolus > 0 ? place(face, side + "mouth_corner") : nullptr;
       std::vector<Strand> woven;
       for (Strand& strand : muscle.strands) {
         strand.force *= row.force;
-        for (Eigen::Vector3d* end : {&strand.origin, &strand.insertion})
-          end->x() += std::copysign(std::max(row.outward * scale, -std::abs(end->x())), end->x());
-        strand.origin +=
-            scale * Eigen::Vector3d(std::copysign(row.origin.x(), strand.origin.x()), row.origin.y(), row.origin.z());
+        if (row.outward != 0)
+          for (Eigen::Vector3d* end : {&strand.origin, &strand.insertion})
+            end->x() = outward * std::max(outward * end->x() + scale * row.outward, 0.0);
+        strand.origin += scale * Eigen::Vector3d(outward * row.origin.x(), row.origin.y(), row.origin.z());
         if (strand.origin_radius > 0) strand.origin_radius = row.radius * scale;
         if (strand.insertion_radius > 0) strand.insertion_radius = row.radius * scale;
         if (corner == nullptr) continue;

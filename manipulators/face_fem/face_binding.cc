@@ -3,7 +3,6 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <queue>
 
 namespace face {
@@ -27,6 +26,23 @@ std::array<double, 4> cubic(double u) {
   return {u * (-0.5 + u * (1 - 0.5 * u)), 1 + u * u * (-2.5 + 1.5 * u), u * (0.5 + u * (2 - 1.5 * u)),
           u * u * (-0.5 + 0.5 * u)};
 }
+
+/// A short list of indices with their sums of weights.
+class Sums {
+ public:
+  void add(int index, double weight) {
+    for (auto& [i, w] : all_)
+      if (i == index) {
+        w += weight;
+        return;
+      }
+    all_.push_back({index, weight});
+  }
+  const std::vector<std::pair<int, double>>& all() const { return all_; }
+
+ private:
+  std::vector<std::pair<int, double>> all_;
+};
 
 class Binder {
  public:
@@ -62,7 +78,7 @@ class Binder {
   void take_side(Vertex& v, const Vector3d& normal) const;
   void bind_vertex(int v, std::vector<FaceCarrier::Row>& rows) const;
   double cut_height(const Cut& cut, double angle, bool upper) const;
-  std::vector<std::pair<int, double>> stencil(const SheetPlace& at) const;
+  Sums stencil(const SheetPlace& at) const;
   std::pair<double, double> radii(const SheetPlace& at) const;
 
   const Head& head_;
@@ -91,14 +107,17 @@ std::pair<double, double> Binder::radii(const SheetPlace& at) const {
 
 void Binder::measure() {
   const Eigen::Index count = head_.skin().V.rows();
+  Eigen::AlignedBox2d whole;
+  for (const Eigen::AlignedBox2d& row : sheet_.row_box) whole.extend(row);
   vertex_.resize(count);
   near_.assign(count, false);
   for (Eigen::Index v = 0; v < count; ++v) {
     Vertex& vertex = vertex_[v];
     vertex.at = head_.skin().V.row(v).transpose().cast<double>();
     vertex.chart = sheet_.chart.of(vertex.at);
-    const double beyond = std::max(std::abs(vertex.chart.angle) - sheet_.chart.side, 0.0) * 0.04;
-    if (beyond > reach_) continue;
+    // on the flat chart distances beside the sheet are at most twice the true ones
+    const Eigen::Vector2d flat(FaceChart::nominal * vertex.chart.angle, vertex.chart.height);
+    if (whole.exteriorDistance(flat) > 2 * reach_) continue;
     const SheetPlace at = locate(sheet_, vertex.chart);
     const auto [inner, skin] = radii(at);
     ChartPoint foot = vertex.chart;
@@ -233,8 +252,8 @@ void Binder::choose_jaw_frame() {
 }
 
 /// Weights of stacks for a place, smooth over the sheet.
-std::vector<std::pair<int, double>> Binder::stencil(const SheetPlace& at) const {
-  std::map<int, double> sum;
+Sums Binder::stencil(const SheetPlace& at) const {
+  Sums sum;
   const std::array<double, 4> wu = cubic(at.u), wv = cubic(at.v);
   const auto cut_at = [&](int i, int row) -> const Cut* {
     for (const Cut* cut : {&sheet_.mouth, &sheet_.eyes[0], &sheet_.eyes[1]})
@@ -247,17 +266,17 @@ std::vector<std::pair<int, double>> Binder::stencil(const SheetPlace& at) const 
       const int corner = sheet_.corner(i, j);
       const int up = sheet_.above[corner], low = sheet_.below[corner];
       if (up == low) {
-        sum[up] += w;
+        sum.add(up, w);
         return;
       }
       // seen from beside the end of a cut both margins count alike
       const Cut* cut = cut_at(i, j);
       const bool beside = cut != nullptr && (at.i >= cut->last || at.i + 1 <= cut->first);
       if (beside) {
-        sum[up] += w / 2;
-        sum[low] += w / 2;
+        sum.add(up, w / 2);
+        sum.add(low, w / 2);
       } else {
-        sum[at.j >= j ? up : low] += w;
+        sum.add(at.j >= j ? up : low, w);
       }
     };
     const auto is_end = [&](int j, int toward) {
@@ -296,7 +315,7 @@ std::vector<std::pair<int, double>> Binder::stencil(const SheetPlace& at) const 
   }
   add_column(at.i, inner[0]);
   add_column(at.i + 1, inner[1]);
-  return {sum.begin(), sum.end()};
+  return sum;
 }
 
 void Binder::bind_vertex(int v, std::vector<FaceCarrier::Row>& rows) const {
@@ -314,21 +333,22 @@ void Binder::bind_vertex(int v, std::vector<FaceCarrier::Row>& rows) const {
     if (vertex.mouth && vertex.side == CutSide::below) jaw = (1 - hold) * amount;
     amount *= hold;
   }
-  std::map<int, double> weights;
+  Sums weights;
+  const Sums across = stencil(at);
   if (amount > 0)
-    for (const auto& [stack, w] : stencil(at)) {
-      weights[tissue_.node[stack].back()] += amount * skin_share * w;
-      if (skin_share < 1) weights[tissue_.node[stack].front()] += amount * (1 - skin_share) * w;
+    for (const auto& [stack, w] : across.all()) {
+      weights.add(tissue_.node[stack].back(), amount * skin_share * w);
+      if (skin_share < 1) weights.add(tissue_.node[stack].front(), amount * (1 - skin_share) * w);
     }
   if (jaw > 0 && jaw_node_[0] >= 0) {
     Eigen::Vector4d place;
     place << vertex.at, 1;
     const Eigen::Vector4d share = jaw_frame_ * place;
-    for (int k = 0; k < 4; ++k) weights[jaw_node_[k]] += jaw * share[k];
+    for (int k = 0; k < 4; ++k) weights.add(jaw_node_[k], jaw * share[k]);
   }
   FaceCarrier::Row row;
   row.vertex = head_.vertex()[v];
-  for (const auto& [node, w] : weights)
+  for (const auto& [node, w] : weights.all())
     if (std::abs(w) > 1e-6) {
       row.node.push_back(node);
       row.weight.push_back(float(w));

@@ -28,7 +28,7 @@ bool is_eye_part(std::string name) {
   return (has("eye") || has("sclera") || has("iris")) && !has("lash") && !has("brow") && !has("lid");
 }
 
-Eigen::Vector3d vertex(const mesh::Surface& surface, Eigen::Index v) {
+Eigen::Vector3d place_of(const mesh::Surface& surface, Eigen::Index v) {
   return surface.V.row(v).transpose().cast<double>();
 }
 
@@ -40,14 +40,15 @@ std::optional<Eyeball> sphere_of(const mesh::Surface& ball) {
   Eigen::MatrixX4d A(n, 4);
   Eigen::VectorXd b(n);
   for (Eigen::Index v = 0; v < n; ++v) {
-    const Eigen::Vector3d p = vertex(ball, v) - mean;
+    const Eigen::Vector3d p = place_of(ball, v) - mean;
     A.row(v) << 2 * p.transpose(), 1;
     b[v] = p.squaredNorm();
   }
   const Eigen::Vector4d x = A.colPivHouseholderQr().solve(b);
   const double r = std::sqrt(std::max(0.0, x[3] + x.head<3>().squaredNorm()));
   double miss = 0;
-  for (Eigen::Index v = 0; v < n; ++v) miss += std::abs((vertex(ball, v) - mean - x.head<3>()).norm() - r) / double(n);
+  for (Eigen::Index v = 0; v < n; ++v)
+    miss += std::abs((place_of(ball, v) - mean - x.head<3>()).norm() - r) / double(n);
   if (!(r > 0.008 && r < 0.018) || miss > 0.08 * r) return std::nullopt;
   return Eyeball{mean + x.head<3>(), r};
 }
@@ -70,8 +71,8 @@ std::vector<bool> largest_part(const mesh::Surface& surface) {
   std::vector<double> area(number.empty() ? 1 : 1 + *std::max_element(number.begin(), number.end()), 0);
   for (std::size_t f = 0; f < number.size(); ++f) {
     const Eigen::RowVector3i corner = surface.F.row(Eigen::Index(f));
-    const Eigen::Vector3d a = vertex(surface, corner[0]);
-    area[number[f]] += (vertex(surface, corner[1]) - a).cross(vertex(surface, corner[2]) - a).norm() / 2;
+    const Eigen::Vector3d a = place_of(surface, corner[0]);
+    area[number[f]] += (place_of(surface, corner[1]) - a).cross(place_of(surface, corner[2]) - a).norm() / 2;
   }
   const int best = int(std::max_element(area.begin(), area.end()) - area.begin());
   std::vector<bool> keep(number.size());
@@ -160,6 +161,10 @@ std::optional<double> Head::outermost(const Eigen::Vector3d& origin, const Eigen
   const Eigen::Vector3d hair(1.7e-5, 0.9e-5, 1.3e-5);
   const mesh::Tree::Hit hit = tree_->first_hit(origin + far_out * direction + hair, origin + hair);
   if (hit.face < 0) return std::nullopt;
+  // the inside of the skin is seen through a hole
+  const Eigen::RowVector3i corner = skin_->F.row(hit.face);
+  const Eigen::Vector3d a = place_of(*skin_, corner[0]);
+  if ((place_of(*skin_, corner[1]) - a).cross(place_of(*skin_, corner[2]) - a).dot(direction) < 0) return std::nullopt;
   return far_out * (1 - hit.share);
 }
 

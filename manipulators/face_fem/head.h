@@ -29,7 +29,7 @@ class Head {
   bool closed() const { return closed_; }    ///< there is skin behind too: a head, not a mask or a scan of the face
 
   /// The outermost point of the skin on the ray from `origin` along the unit `direction`, as its distance from origin;
-  /// nothing when the ray leaves without meeting skin.
+  /// nothing when the ray meets no skin, or only its inside through a hole.
   std::optional<double> outermost(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction) const;
   /// z of the skin seen from the front at (x, y).
   std::optional<double> front(double x, double y) const;

@@ -150,7 +150,8 @@ Status Finder::find_profile() {
                                                    head_.front(x + 0.035, line.at[tip]).value_or(-1));
   if (tip_given == given_.end() && prominence < 0.010)
     return missing("the nose was not found: the foremost point of the middle plane, at height ", line.at[tip],
-                   " m, stands out by ", prominence * 1000, " mm from the cheeks, at least 10 are needed");
+                   " m, stands out by ", prominence * 1000,
+                   " mm from the cheeks, at least 10 are needed; does the head face +Z?");
   put("nose_tip", point(tip), confidence_of(prominence, 0.02), "profile");
   const double y = line.at[tip];
 

@@ -41,7 +41,7 @@ struct Sailor {
 #define SAILOR()                                                                            \
   const Sailor* sailor = Sailor::get();                                                     \
   if (sailor == nullptr) GTEST_SKIP() << "human.zae of assimp-testmodels is not installed"; \
-  const Face& face = sailor->face
+  [[maybe_unused]] const Face& face = sailor->face
 
 /// vertices of the head after a displacement of the carried nodes
 std::vector<Eigen::Vector3d> motion(const Face& face, const Field& u) {
@@ -230,6 +230,43 @@ TEST(Face, WhatIsNoHeadIsRefusedByName) {
   mesh::Surface bad = ball();
   bad.V(3, 1) = NAN;
   EXPECT_EQ(fault_of(build_face(bad)), Fault::not_finite);
+}
+
+TEST(Face, HeadsThatCannotBeReadAreRefusedByName) {
+  SAILOR();
+  // a hole of 40 mm in the cheek
+  std::vector<bool> keep;
+  for (Eigen::Index f = 0; f < sailor->head.F.rows(); ++f) {
+    const Eigen::RowVector3f p = sailor->head.V.row(sailor->head.F(f, 0));
+    keep.push_back(!(std::abs(p.x() - 0.04F) < 0.02F && std::abs(p.y() - 1.51F) < 0.02F && p.z() > 0.05F));
+  }
+  EXPECT_EQ(fault_of(build_face(mesh::subset(sailor->head, keep))), Fault::mesh);
+  // looking sideways, backward, standing on its head, three times too tall
+  const auto turned = [&](const Eigen::Vector3f& axis, double degrees, float size) {
+    mesh::Surface other = sailor->head;
+    const Eigen::Matrix3f turn = Eigen::AngleAxisf(float(degrees * M_PI / 180), axis).toRotationMatrix();
+    other.V = (size * other.V * turn.transpose()).eval();
+    return fault_of(build_face(other));
+  };
+  EXPECT_EQ(turned(Eigen::Vector3f::UnitY(), 90, 1), Fault::landmark);
+  EXPECT_EQ(turned(Eigen::Vector3f::UnitY(), 180, 1), Fault::landmark);
+  EXPECT_EQ(turned(Eigen::Vector3f::UnitX(), 180, 1), Fault::landmark);
+  EXPECT_EQ(turned(Eigen::Vector3f::UnitX(), 0, 3), Fault::landmark);
+}
+
+TEST(Face, NoiseOfAMillimetreAndOtherPlacesDoNotMatter) {
+  SAILOR();
+  mesh::Surface other = sailor->head;
+  unsigned state = 1;
+  for (Eigen::Index v = 0; v < other.V.rows(); ++v)
+    for (int i = 0; i < 3; ++i) {
+      state = state * 1664525U + 1013904223U;
+      other.V(v, i) += 0.002F * (float(state >> 8) / 16777216.0F - 0.5F) + (i == 0 ? 3.0F : i == 1 ? -7.0F : 2.0F);
+    }
+  const auto moved = build_face(other);
+  ASSERT_TRUE(moved) << moved.error().sentence;
+  for (const Landmark& mark : moved->landmarks)
+    EXPECT_LT((mark.place - Eigen::Vector3d(3, -7, 2) - face.landmark(mark.name).place).norm(), 0.006) << mark.name;
 }
 
 TEST(Face, OptionsOutOfRangeAreRefused) {

@@ -377,16 +377,30 @@ SheetPlace locate(const FaceSheet& sheet, const ChartPoint& point, CutSide side,
   SheetPlace best;
   best.miss = HUGE_VAL;
   const int from = side == CutSide::above ? row : 0, to = side == CutSide::below ? row : sheet.rows;
+  const auto box = [&](int i, int j) { return sheet.quad_box[j * sheet.columns + i].squaredExteriorDistance(p); };
+  // the nearest box first: what it gives leaves few others to look at
+  int first_i = 0, first_j = from;
+  double least = HUGE_VAL;
   for (int j = from; j < to; ++j) {
-    if (sheet.row_box[j].exteriorDistance(p) >= best.miss) continue;
-    for (int i = 0; i < sheet.columns; ++i) {
-      if (sheet.quad_box[j * sheet.columns + i].exteriorDistance(p) >= best.miss) continue;
-      const std::array<int, 4> q = sheet.quad(i, j);
-      const Inside in = inside(
-          {flat(sheet.stacks[q[0]]), flat(sheet.stacks[q[1]]), flat(sheet.stacks[q[2]]), flat(sheet.stacks[q[3]])}, p);
-      if (in.miss < best.miss) best = {i, j, in.u, in.v, in.miss};
-      if (best.miss < 1e-12) return best;
-    }
+    if (sheet.row_box[j].squaredExteriorDistance(p) >= least) continue;
+    for (int i = 0; i < sheet.columns; ++i)
+      if (const double here = box(i, j); here < least) {
+        least = here;
+        first_i = i;
+        first_j = j;
+      }
+  }
+  const auto look = [&](int i, int j) {
+    const std::array<int, 4> q = sheet.quad(i, j);
+    const Inside in = inside(
+        {flat(sheet.stacks[q[0]]), flat(sheet.stacks[q[1]]), flat(sheet.stacks[q[2]]), flat(sheet.stacks[q[3]])}, p);
+    if (in.miss < best.miss) best = {i, j, in.u, in.v, in.miss};
+  };
+  look(first_i, first_j);
+  for (int j = from; j < to && best.miss > 1e-12; ++j) {
+    if (sheet.row_box[j].squaredExteriorDistance(p) >= best.miss * best.miss) continue;
+    for (int i = 0; i < sheet.columns && best.miss > 1e-12; ++i)
+      if (box(i, j) < best.miss * best.miss) look(i, j);
   }
   return best;
 }

@@ -353,11 +353,15 @@ Outcome Manager::forward(Call& call, Manipulator& manipulator, const Manipulator
   if (journal_)
     if (Status room = journal_->reserve(line.size() + 256); !room) return room.error();
   world.speak_as({lines.add(call.line), static_cast<std::uint32_t>(clock.tick()), call.source.id});
-  const std::uint64_t number = addressed->ask(line);
+  return ask(*addressed, line);
+}
+
+std::unique_ptr<Operation> Manager::ask(Manipulator& manipulator, std::string_view line) {
+  const std::uint64_t number = manipulator.ask(line);
   Source asked;
-  asked.name = "ask";
-  journal(asked, "", addressed->name + " " + std::to_string(number) + " " + line);
-  return std::make_unique<Asked>(addressed->name, number);
+  asked.name = ask_source;
+  journal(asked, "", manipulator.name + " " + std::to_string(number) + " " + std::string(line));
+  return std::make_unique<Asked>(manipulator.name, number);
 }
 
 void Manager::session_failed(Session& session) {
@@ -697,7 +701,7 @@ void Manager::begin_tick() {
   // what was done before cannot be taken back, nor done again, in another time
   undo_marks_.clear();
   redo_.clear();
-  world.forget_history();
+  if (!following_) world.forget_history();
   stage_ = 0;
   next_stage();
 }
@@ -740,7 +744,7 @@ void Manager::finish_tick() {
   });
   tell_watchers();
   for (const Schedule::Entry& entry : schedule.take_due(clock.time(), world))
-    scheduled_->enqueue_command(entry.command, entry.where, entry.scope);
+    if (!following_) scheduled_->enqueue_command(entry.command, entry.where, entry.scope);
   scheduled_->step(*this, lines_at_a_time);
 }
 

@@ -103,6 +103,14 @@ class Manager {
   /// Who says the next changes, by this line.
   void speak_as(const Source& source, std::string_view line);
   void replay_tick();
+  /// A journal says what is said next, and when: what was put off is not carried out a second time, and what a tick
+  /// did can be taken back.
+  void follow_journal(bool follow) { following_ = follow; }
+  bool following_journal() const { return following_; }
+  /// What programs that start from now on draw their chances from.
+  void seed(std::uint64_t seed) { options_.seed = seed; }
+  /// Forwards a line to a program, and waits for its reply.
+  std::unique_ptr<Operation> ask(Manipulator& manipulator, std::string_view line);
   /// The journal has been carried out; programs that were started on the way take up where they were.
   void end_replay(bool live);
   /// Goes back to a time of the journal. Errors: io, range.
@@ -236,7 +244,7 @@ class Manager {
   std::unique_ptr<Journal> journal_;
   bool journal_lost_ = false;  // it could not be written: this is the end
   Budget budget_;
-  bool replaying_ = false, replaying_tick_ = false;
+  bool replaying_ = false, replaying_tick_ = false, following_ = false;
   std::optional<double> rewinding_;  // to note in the journal when it is done
   std::size_t resume_good_ = 0;
   std::uint64_t resume_check_ = 0;

@@ -728,6 +728,8 @@ bool Manipulator::wants_checkpoint(std::uint64_t tick, double manager_rate) cons
   if (!declared_.checkpoints() || state_ != State::active || lost_checkpoints_ >= checkpoints_lost_allowed ||
       first_tick_ == 0 || !due(tick, manager_rate))
     return false;
+  // a journal that is followed says when
+  if (manager_.following_journal()) return checkpoint_wanted_;
   const Manager::Checkpoints& every = manager_.checkpoints;
   const std::uint64_t since = last_tick_ - std::max(first_tick_ - 1, checkpoint_tick_);
   return checkpoint_wanted_ || (every.ticks > 0 && since >= every.ticks) ||

@@ -11,28 +11,8 @@ namespace {
 
 using namespace objdb;
 
-constexpr std::string_view ask_source = "ask", rewind_source = "rewind";
+constexpr std::string_view rewind_source = "rewind";
 constexpr int records_at_a_time = 20'000;
-
-// what a tick's closing record says
-struct TickLine {
-  std::uint64_t tick = 0;
-  double time = 0;
-  std::uint64_t hash = 0;
-};
-
-std::optional<TickLine> parse_tick(const Record& record) {
-  LineWords words;
-  if (Status split = words.split(record.line); !split || words.words().size() != 3) return std::nullopt;
-  const Words all = words.words();
-  TickLine out{record.tick, 0, 0};
-  const Result<double> time = parse_real(all[1].text, {});
-  const std::string_view hash = all[2].text;
-  if (!time || std::from_chars(hash.data(), hash.data() + hash.size(), out.hash, 16).ec != std::errc())
-    return std::nullopt;
-  out.time = *time;
-  return out;
-}
 
 // figures of a machine are not figures of this one
 bool sets_measured(const Database& world, const LineWords& words) {
@@ -42,6 +22,24 @@ bool sets_measured(const Database& world, const LineWords& words) {
   const Object* object = world.find(target->pattern);
   const int field = object == nullptr ? -1 : object->type->find(target->field);
   return field >= 0 && object->type->field(field).measured;
+}
+
+// "put PATH.FIELD count=N at=BYTE check=HEX": the numbers stand beside the journal
+Status restore_array(Manager& manager, const Source& source, Words words, std::string_view line,
+                     const std::string& journal) {
+  if (words.size() != 5) return Error{ErrorKind::syntax, "expected put PATH.FIELD count=N at=BYTE check=HEX", 0};
+  const Result<Target> target = parse_target(words[1]);
+  if (!target) return target.error();
+  const Result<const Object*> object = find_object(manager.world, {target->pattern, 0, false}, {});
+  if (!object) return object.error();
+  const Result<int> field = find_field(**object, target->field, 0);
+  if (!field) return field.error();
+  if (source.gate != nullptr)
+    if (Status allowed = source.gate->may_write(**object, *field); !allowed) return allowed;
+  Result<std::vector<double>> numbers = ArrayFile::read(ArrayFile::path_of(journal), words.subspan(2));
+  if (!numbers) return numbers.error();
+  manager.speak_as(source, line);
+  return manager.world.set(**object, *field, std::move(*numbers));
 }
 
 class Replay : public Operation {
@@ -101,36 +99,9 @@ class Replay : public Operation {
     const std::string_view verb = words_.words()[0].text;
     if (!live_ && (verb == "start" || verb == "end")) return {};
     if (live_) tell_before(manager, record);
-
-    Source source;
-    source.id = manager.add_source(record.source);
-    source.name = record.source;
-    // so that it owns what it wrote
-    if (live_ && (verb == "set" || verb == "put")) source.gate = manager.find_manipulator(record.source);
-    if (verb == "put") return restore_array(manager, source, record);
-    std::string body;
-    const Scope scope{record.prefix};
-    Outcome outcome = manager.execute(source, manager.main_session(), words_, record.line, scope, body);
+    Outcome outcome = say_again(manager, record, text_.path, live_);
     inner_ = std::move(outcome.operation);
     return outcome.status;
-  }
-
-  // "put PATH.FIELD count=N at=BYTE check=HEX": the numbers stand beside the journal
-  Status restore_array(Manager& manager, const Source& source, const Record& record) {
-    const Words words = words_.words();
-    if (words.size() != 5) return Error{ErrorKind::syntax, "expected put PATH.FIELD count=N at=BYTE check=HEX", 0};
-    const Result<Target> target = parse_target(words[1]);
-    if (!target) return target.error();
-    const Result<const Object*> object = find_object(manager.world, {target->pattern, 0, false}, {});
-    if (!object) return object.error();
-    const Result<int> field = find_field(**object, target->field, 0);
-    if (!field) return field.error();
-    if (source.gate != nullptr)
-      if (Status allowed = source.gate->may_write(**object, *field); !allowed) return allowed;
-    Result<std::vector<double>> numbers = ArrayFile::read(ArrayFile::path_of(text_.path), words.subspan(2));
-    if (!numbers) return numbers.error();
-    manager.speak_as(source, record.line);
-    return manager.world.set(**object, *field, std::move(*numbers));
   }
 
   // lines of a tick come in the order of stages: who stands in a stage is told before what that stage said counts
@@ -202,6 +173,34 @@ class Replay : public Operation {
 };
 
 }  // namespace
+
+std::optional<TickLine> parse_tick(const Record& record) {
+  LineWords words;
+  if (Status split = words.split(record.line); !split || words.words().size() != 3) return std::nullopt;
+  const Words all = words.words();
+  TickLine out{record.tick, 0, 0};
+  const Result<double> time = parse_real(all[1].text, {});
+  const std::string_view hash = all[2].text;
+  if (!time || std::from_chars(hash.data(), hash.data() + hash.size(), out.hash, 16).ec != std::errc())
+    return std::nullopt;
+  out.time = *time;
+  return out;
+}
+
+Outcome say_again(Manager& manager, const Record& record, const std::string& journal, bool owning) {
+  LineWords words;
+  if (Status split = words.split(record.line); !split) return split;
+  if (words.empty() || sets_measured(manager.world, words)) return {};
+  const std::string_view verb = words.words()[0].text;
+  Source source;
+  source.id = manager.add_source(record.source);
+  source.name = record.source;
+  // so that it owns what it wrote
+  if (owning && (verb == "set" || verb == "put")) source.gate = manager.find_manipulator(record.source);
+  if (verb == "put") return restore_array(manager, source, words.words(), record.line, journal);
+  std::string body;
+  return manager.execute(source, manager.main_session(), words, record.line, Scope{record.prefix}, body);
+}
 
 bool is_journaled(const Command& command) {
   static constexpr std::string_view steering[] = {"rate", "undo",  "redo", "begin",  "commit", "rollback",

@@ -13,6 +13,22 @@ bool is_journaled(const Command& command);
 /// The hash is checked at every tick: error range at the first that differs.
 std::unique_ptr<Operation> replay(JournalText text, bool live);
 
+/// The source of a command that was forwarded to a program: "NAME NUMBER LINE".
+inline constexpr std::string_view ask_source = "ask";
+
+/// What a tick's closing record says.
+struct TickLine {
+  std::uint64_t tick = 0;
+  double time = 0;
+  std::uint64_t hash = 0;
+};
+
+std::optional<TickLine> parse_tick(const Record& record);
+
+/// Carries out the line of a record, as whoever said it. `journal`: the file it stands in, which arrays stand beside.
+/// `owning`: a program that runs becomes the owner of what it wrote.
+Outcome say_again(Manager& manager, const Record& record, const std::string& journal, bool owning);
+
 /// The records up to a time, with what `rewind` records took back left out.
 std::vector<Record> records_until(const JournalText& text, double time);
 

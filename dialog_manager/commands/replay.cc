@@ -1,6 +1,9 @@
 #include "dialog_manager/replay.h"
+
 #include "dialog_manager/command.h"
+#include "dialog_manager/live_replay.h"
 #include "dialog_manager/manager.h"
+
 namespace manager {
 namespace {
 
@@ -8,16 +11,20 @@ using namespace objdb;
 
 Outcome run(Call& call) {
   Manager& manager = call.manager;
-  Result<JournalText> text = read_journal(std::string(call.words[0].text));
-  if (!text) return call.error(0, text.error().kind, text.error().sentence);
+  const bool live = call.words.size() == 2;
+  const int file = live && call.words[0].text == "--live" ? 1 : 0;
+  if (live && call.words[static_cast<std::size_t>(1 - file)].text != "--live")
+    return call.error(1, ErrorKind::syntax, "expected replay [--live] FILE");
+  const std::string path(call.words[static_cast<std::size_t>(file)].text);
+  Result<JournalText> text = read_journal(path);
+  if (!text) return call.error(file, text.error().kind, text.error().sentence);
   if (manager.world.size() > 0 || !manager.manipulators().empty())
     return call.error(-1, ErrorKind::exists,
                       "the world has " + std::to_string(manager.world.size()) + " objects, expected an empty one");
   if (!text->flaw.empty())
-    manager.event("event journal " + std::string(call.words[0].text) + " " + text->flaw +
-                  "; what stands before it is taken up");
+    manager.event("event journal " + path + " " + text->flaw + "; what stands before it is taken up");
   text->records = records_until(*text, 1e300);
-  return replay(std::move(*text), false);
+  return live ? live_replay(std::move(*text)) : replay(std::move(*text), false);
 }
 
 }  // namespace
@@ -25,11 +32,12 @@ Outcome run(Call& call) {
 extern const Command command_replay;
 const Command command_replay = {
     "replay",
-    "FILE",
-    "Makes the world of a journal again in an empty world, without its programs; the hash is checked at every tick.",
+    "[--live] FILE",
+    "Makes the world of a journal again in an empty world, without its programs; the hash is checked at every tick. "
+    "With --live its programs run again, and the first field that differs is named.",
     Effect::time,
     1,
-    1,
+    2,
     run};
 
 }  // namespace manager

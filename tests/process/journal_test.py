@@ -256,6 +256,76 @@ class Journal(Journals):
         self.assertEqual(other.hash(), expected)
 
 
+    def live(self, name):
+        """What `replay --live` says, and the manager."""
+        manager = self.manager()
+        return manager, manager.ask(f"replay --live {name}", timeout=60)
+
+    def test_a_live_replay_runs_the_programs_again(self):
+        manager = self.manager("--seed", "4", "--journal", "kept")
+        for line in SETUP + ["at 0.25s set w.reach 0.9", "every 0.2s set ball.visible false", "when w.steps > 4 set ball.radius 9cm", "checkpoints every 3", "step 3", "jump w", "step 2",
+                             "begin", "set ball.position 1 1 1", "set ball.position 2 1 1", "commit", "undo", "step 3", "end walker", "step 2",
+                             "start walker as second", "create walker v", "step 4"]:
+            manager.must(line)
+        expected, time_ = manager.hash(), manager.must("time")
+        manager.finish()
+        for command in ("replay --live kept", "replay kept --live"):
+            other = self.manager()
+            other.must(command, timeout=60)
+            self.assertEqual(other.hash(), expected)
+            self.assertEqual(other.must("time"), time_)
+            self.assertEqual(len(sailor.children(other.pid)), 1, "its programs run")
+            # and it goes on
+            other.must("step 5")
+            self.assertEqual(other.must("get v.steps"), "9")
+
+    def test_a_live_replay_names_the_first_field_that_differs(self):
+        self.recorded(ticks=6)
+        text = (self.folder / "kept").read_text().rstrip("\0")
+        # another program of that name, which goes wrong in tick 4
+        walker = (sailor.PROGRAMS / "walker").read_text()
+        other = walker.replace('say(f"set {path}.steps {walker[\'steps\']}")', 'say(f"set {path}.steps {walker[\'steps\'] + (tick == 4)}")')
+        self.assertNotEqual(other, walker)
+        (self.folder / "bin").mkdir()
+        self.file("bin/walker", other)
+        os.chmod(self.folder / "bin/walker", 0o755)
+        environ = sailor.environment(self.folder)
+        environ["PATH"] = f"{self.folder}/bin:" + environ["PATH"]
+        manager = self.manager(environ=environ)
+        reply = manager.ask("replay --live kept", timeout=60)
+        self.assertEqual(reply.kind, "range", repr(reply))
+        self.assertEqual(reply.sentence, "tick 4: w.steps is 5, the journal says 4")
+        manager.must("create node after")
+        self.assertIn("walker", text)
+
+    def test_a_live_replay_whose_program_is_missing_or_answers_otherwise(self):
+        self.recorded(ticks=3)
+        environ = sailor.environment(self.folder)
+        environ["PATH"] = "/usr/bin:/bin"
+        manager = self.manager(environ=environ)
+        reply = manager.ask("replay --live kept", timeout=60)
+        self.assertEqual(reply.kind, "unknown", repr(reply))
+        self.assertIn("start walker", reply.sentence)
+        manager.must("echo still here")
+        for command, kind in (("replay --live", "io"), ("replay --live a b", "syntax"), ("replay kept kept", "syntax"), ("replay --live missing", "io")):
+            manager.refused(command, kind)
+
+    def test_two_managers_resume_one_journal(self):
+        self.recorded(ticks=2)
+        first = self.manager("--resume", "kept")
+        first.must("step")
+        done = self.run_manager("--resume", "kept", "-c", "step")
+        self.assertEqual(done.returncode, 1)
+        self.assertIn("busy", done.stderr)
+        self.assertIn("written by another manager", done.stderr)
+        other = self.manager()
+        other.refused("journal kept", "busy")
+        # to read it is no harm
+        other.must("replay kept")
+        first.must("step")
+        self.assertEqual(first.must("get w.steps"), "4")
+
+
 class SlowJournal(Journals):
     def test_the_manager_killed_three_hundred_times(self):
         chance = random.Random(7)

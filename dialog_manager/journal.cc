@@ -12,7 +12,6 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
-#include <sstream>
 
 #include "objdb/text.h"
 #include "objdb/unit.h"
@@ -29,9 +28,9 @@ constexpr std::string_view heading = "sailor-journal 1";
 // 32 bits over a line and, through `before`, over all lines before it
 std::uint64_t check_of(std::uint64_t before, std::string_view text) { return hash_text(text, before) & 0xffffffffu; }
 
-void append_hex(std::string& out, std::uint64_t value) {
+void write_hex(char* out, std::uint64_t value) {
   static constexpr char digits[] = "0123456789abcdef";
-  for (int shift = 28; shift >= 0; shift -= 4) out += digits[(value >> shift) & 15];
+  for (int shift = 28; shift >= 0; shift -= 4) *out++ = digits[(value >> shift) & 15];
 }
 
 Error io_error(const std::string& path, std::string_view what) {
@@ -48,28 +47,31 @@ bool may_begin(int file) {
          (count == static_cast<ssize_t>(start.size()) && std::string_view(start.data() + 9, heading.size()) == heading);
 }
 
-// "TICK SOURCE PREFIX LINE"
-bool parse_record(std::string_view text, Record& record) {
+// "TICK SOURCE PREFIX LINE"; names in quotes are kept aside
+bool parse_record(std::string_view text, Record& record, std::deque<std::string>& names) {
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), record.tick);
   if (error != std::errc()) return false;
   text.remove_prefix(static_cast<std::size_t>(end - text.data()));
-  // the two words before the line may be quoted
-  for (std::string* word : {&record.source, &record.prefix}) {
+  for (std::string_view* word : {&record.source, &record.prefix}) {
     if (text.empty() || text[0] != ' ') return false;
     text.remove_prefix(1);
     std::size_t length = text.find(' ');
-    if (!text.empty() && text[0] == '"') {
+    const bool quoted = !text.empty() && text[0] == '"';
+    if (quoted) {
       for (length = 1; length < text.size() && text[length] != '"'; ++length)
         if (text[length] == '\\') ++length;
       ++length;
     }
-    if (length == std::string_view::npos || length > text.size()) return false;
-    LineWords words;
-    if (Status split = words.split(text.substr(0, length)); !split || words.words().size() != 1) return false;
-    word->assign(words.words()[0].text);
+    if (length == std::string_view::npos || length == 0 || length > text.size()) return false;
+    *word = text.substr(0, length);
+    if (quoted) {
+      LineWords words;
+      if (Status split = words.split(*word); !split || words.words().size() != 1) return false;
+      *word = names.emplace_back(words.words()[0].text);
+    }
     text.remove_prefix(length);
   }
-  if (record.prefix == "-") record.prefix.clear();
+  if (record.prefix == "-") record.prefix = {};
   if (text.empty() || text[0] != ' ') return false;
   record.line = text.substr(1);
   return true;
@@ -125,7 +127,8 @@ Result<std::unique_ptr<Journal>> Journal::create(const std::string& path, Sync s
                       " rate=" + number(start.rate) + " seed=" + std::to_string(start.seed);
   if (Status room = (*journal)->reserve(first.size() + 16); !room) return room.error();
   (*journal)->check_ = check_of(0, first);
-  append_hex((*journal)->buffer_, (*journal)->check_);
+  (*journal)->buffer_.resize(8);
+  write_hex((*journal)->buffer_.data(), (*journal)->check_);
   (*journal)->buffer_ += " " + first + "\n";
   if (Status kept = (*journal)->flush(true); !kept) return kept.error();
   return journal;
@@ -195,9 +198,7 @@ void Journal::add(std::uint64_t tick, std::string_view source, std::string_view 
   buffer_ += ' ';
   buffer_ += line;
   check_ = check_of(check_, std::string_view(buffer_).substr(start + 9));
-  std::string hex;
-  append_hex(hex, check_);
-  buffer_.replace(start, 8, hex);
+  write_hex(buffer_.data() + start, check_);
   buffer_ += '\n';
 }
 
@@ -233,43 +234,29 @@ Status Journal::flush(bool tick_ended) {
   return kept_;
 }
 
-Result<JournalText> read_journal(const std::string& path) {
-  // a pipe or a device is no journal, and reading one may never end
-  std::error_code ignored;
-  if (std::filesystem::exists(path, ignored) && !std::filesystem::is_regular_file(path, ignored)) {
-    errno = 0;
-    return io_error(path, "is no regular file");
-  }
-  std::ifstream file(path, std::ios::binary);
-  std::stringstream content;
-  content << file.rdbuf();
-  errno = 0;
-  if (!file.is_open()) return io_error(path, "cannot be read");
-  const std::string text = content.str();
-
+Result<JournalText> parse_journal(std::string bytes) {
   JournalText out;
-  out.path = path;
-  std::vector<Record> held;  // lines of a tick that has not ended yet
+  out.text = std::make_shared<const std::string>(std::move(bytes));
+  out.names = std::make_shared<std::deque<std::string>>();
+  const std::string_view text = *out.text;
   std::uint64_t check = 0;
   std::size_t at = 0;
   bool first = true;
   std::uint64_t tick = 0;
+  std::size_t whole = 0;  // records that stand; what comes behind them is of a tick that has not ended yet
   while (at < text.size()) {
     const std::size_t end = text.find('\n', at);
-    const std::string_view line = std::string_view(text).substr(at, end == std::string::npos ? end : end - at);
+    const std::string_view line = text.substr(at, end == std::string_view::npos ? end : end - at);
     // an unused reserve is nothing but zeros
     if (!line.empty() && line[0] == '\0') break;
     std::uint64_t said = 0;
-    const bool framed = end != std::string::npos && line.size() > 9 && line[8] == ' ' &&
+    const bool framed = end != std::string_view::npos && line.size() > 9 && line[8] == ' ' &&
                         std::from_chars(line.data(), line.data() + 8, said, 16).ptr == line.data() + 8;
     const std::string_view body = framed ? line.substr(9) : std::string_view();
     check = check_of(first ? 0 : check, body);
     Record record;
-    if (!framed || said != check || (first ? !parse_start(body, out.start) : !parse_record(body, record))) {
-      if (first) {
-        errno = 0;
-        return io_error(path, "is no journal");
-      }
+    if (!framed || said != check || (first ? !parse_start(body, out.start) : !parse_record(body, record, *out.names))) {
+      if (first) break;
       out.flaw = "byte " + std::to_string(at) + ": the line is torn or was changed";
       break;
     }
@@ -277,29 +264,44 @@ Result<JournalText> read_journal(const std::string& path) {
     if (first) {
       first = false;
       tick = out.start.tick;
-    } else if (record.source == tick_source) {
-      tick = record.tick;
-      out.records.insert(out.records.end(), std::make_move_iterator(held.begin()), std::make_move_iterator(held.end()));
-      held.clear();
-      out.records.push_back(std::move(record));
-    } else if (record.tick > tick) {
-      held.push_back(std::move(record));
-      continue;
     } else {
+      out.records.push_back(record);
+      if (record.source == tick_source)
+        tick = record.tick;
+      else if (record.tick > tick)
+        continue;
       // a line between ticks after a tick that was begun: that tick was broken off, and its lines stand
-      out.records.insert(out.records.end(), std::make_move_iterator(held.begin()), std::make_move_iterator(held.end()));
-      held.clear();
-      out.records.push_back(std::move(record));
+      whole = out.records.size();
     }
     out.good = at;
     out.check = check;
   }
-  if (first) {
-    errno = 0;
-    return io_error(path, "is no journal");
-  }
-  if (out.flaw.empty() && !held.empty()) out.flaw = "tick " + std::to_string(tick + 1) + " is not whole";
+  if (first) return Error{ErrorKind::io, "is no journal", 0};
+  if (out.flaw.empty() && whole < out.records.size()) out.flaw = "tick " + std::to_string(tick + 1) + " is not whole";
+  out.records.resize(whole);
   return out;
+}
+
+Result<JournalText> read_journal(const std::string& path) {
+  // a pipe or a device is no journal, and reading one may never end
+  std::error_code ignored;
+  if (std::filesystem::exists(path, ignored) && !std::filesystem::is_regular_file(path, ignored)) {
+    errno = 0;
+    return io_error(path, "is no regular file");
+  }
+  std::ifstream file(path, std::ios::binary | std::ios::ate);
+  if (!file.is_open()) {
+    errno = 0;
+    return io_error(path, "cannot be read");
+  }
+  std::string bytes(static_cast<std::size_t>(std::max<std::streamoff>(file.tellg(), 0)), '\0');
+  file.seekg(0);
+  file.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+  Result<JournalText> text = parse_journal(std::move(bytes));
+  errno = 0;
+  if (!text) return io_error(path, text.error().sentence);
+  text->path = path;
+  return text;
 }
 
 }  // namespace manager

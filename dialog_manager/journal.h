@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <cstdint>
+#include <deque>
 #include <memory>
 #include <optional>
 #include <span>
@@ -17,9 +18,9 @@ namespace manager {
 /// One line of a journal: who said it, in which tick, below which prefix (docs/journal.md).
 struct Record {
   std::uint64_t tick = 0;  ///< tick that it belongs to; lines between ticks carry the tick before them
-  std::string source;
-  std::string prefix;  ///< of a script read `under` a place, "" for none
-  std::string line;
+  std::string_view source;
+  std::string_view prefix;  ///< of a script read `under` a place, "" for none
+  std::string_view line;
 };
 
 /// What a journal begins with, and where the world stood.
@@ -77,8 +78,11 @@ class Journal {
 };
 
 /// A journal as it was read: everything up to the last line that is whole, the lines of a tick only when the tick is.
+/// Its records point into its text.
 struct JournalText {
   std::string path;
+  std::shared_ptr<const std::string> text;
+  std::shared_ptr<std::deque<std::string>> names;  ///< those that stand in quotes
   JournalStart start;
   std::vector<Record> records;
   std::size_t good = 0;     ///< bytes of the file up to there
@@ -86,6 +90,8 @@ struct JournalText {
   std::string flaw;         ///< what stands behind them, "" for nothing
 };
 
+/// Error: io (no journal).
+objdb::Result<JournalText> parse_journal(std::string text);
 /// Errors: io (no such file, no journal).
 objdb::Result<JournalText> read_journal(const std::string& path);
 

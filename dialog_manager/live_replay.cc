@@ -92,8 +92,8 @@ class LiveReplay : public Operation {
 
   static std::optional<Status> at_record(const Record& record, const Error& error) {
     return Status(Error{error.kind,
-                        "tick " + std::to_string(record.tick) + ", " + record.source + ": " +
-                            record.line.substr(0, 200) + ": " + error.sentence,
+                        "tick " + std::to_string(record.tick) + ", " + std::string(record.source) + ": " +
+                            std::string(record.line.substr(0, 200)) + ": " + error.sentence,
                         0});
   }
 

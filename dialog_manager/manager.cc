@@ -21,7 +21,8 @@ namespace {
 using namespace objdb;
 using Wall = channel::Clock;
 
-constexpr std::size_t history_limit = 1'000'000;
+// changes; a transaction and the latest command may be longer
+constexpr std::size_t undo_limit = 1 << 16;
 constexpr int lines_at_a_time = 4096;
 
 // a forwarded command waits for its manipulator's answer
@@ -68,7 +69,7 @@ Manager::Manager(Options options)
       out_(loop_, STDOUT_FILENO, channel::Descriptor::shared),
       errors_(loop_, STDERR_FILENO, channel::Descriptor::shared),
       source_names_{"manager"} {
-  world.keep_history(history_limit);
+  world.keep_history(std::numeric_limits<std::size_t>::max());
   clock.set_pace(options_.pace);
   loop_.on_signal({SIGINT, SIGTERM, SIGHUP}, [this](int signal) {
     if (signal == SIGINT && prompt_) {
@@ -300,8 +301,7 @@ Outcome Manager::execute(Source& source, Session* session, const LineWords& word
   monitor(source, line);
   if (kept) journal(source, scope.prefix, call.kept.empty() ? line : call.kept);
   if (world.mark() != mark && !in_transaction() && !tick_in_flight()) {
-    undo_marks_.push_back(mark);
-    redo_.clear();
+    remember(mark);
   }
   return outcome;
 }
@@ -598,10 +598,7 @@ Status Manager::begin(Session& session) {
 Status Manager::commit(Session& session) {
   if (transaction_ != &session) return Error{ErrorKind::unknown, "no transaction is open, expected begin first", 0};
   transaction_ = nullptr;
-  if (world.mark() != transaction_mark_) {
-    undo_marks_.push_back(transaction_mark_);
-    redo_.clear();
-  }
+  if (world.mark() != transaction_mark_) remember(transaction_mark_);
   return {};
 }
 
@@ -612,8 +609,16 @@ Status Manager::roll_back(Session& session) {
   return {};
 }
 
+// a command that can be taken back; the latest one whatever its size
+void Manager::remember(std::uint64_t mark) {
+  redo_.clear();
+  undo_marks_.push_back(mark);
+  if (world.mark() - world.oldest_mark() <= undo_limit) return;
+  while (undo_marks_.size() > 1 && world.mark() - undo_marks_.front() > undo_limit) undo_marks_.pop_front();
+  world.forget_history(undo_marks_.front());
+}
+
 Status Manager::undo(std::size_t count) {
-  std::erase_if(undo_marks_, [&](std::uint64_t mark) { return mark < world.oldest_mark(); });
   if (count > undo_marks_.size())
     return Error{ErrorKind::limit,
                  "cannot take back " + std::to_string(count) + " commands, there are " +

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <deque>
 #include <memory>
 #include <optional>
 #include <set>
@@ -198,6 +199,7 @@ class Manager {
   const Command* abbreviated(std::string_view verb) const;
   Outcome check_only(Call& call, const Command& command);
   Outcome forward(Call& call, Manipulator& manipulator, const Manipulator::Verb& verb);
+  void remember(std::uint64_t mark);
   bool step();
   bool step_sessions();
   bool step_tick();
@@ -256,7 +258,7 @@ class Manager {
   std::optional<std::uint16_t> paused_by_;  // id of the source
   Session* transaction_ = nullptr;
   std::uint64_t transaction_mark_ = 0;
-  std::vector<std::uint64_t> undo_marks_;
+  std::deque<std::uint64_t> undo_marks_;
   std::vector<std::vector<objdb::Database::Change>> redo_;
   bool quitting_ = false;
   int exit_status_ = 0;

@@ -17,10 +17,11 @@ constexpr int records_at_a_time = 20'000;
 // figures of a machine are not figures of this one
 bool sets_measured(const Database& world, const LineWords& words) {
   if (words.words()[0].text != "set" || words.words().size() < 2) return false;
-  const Result<Target> target = parse_target(words.words()[1]);
-  if (!target) return false;
-  const Object* object = world.find(target->pattern);
-  const int field = object == nullptr ? -1 : object->type->find(target->field);
+  const std::string_view target = words.words()[1].text;
+  const std::size_t dot = target.find('.');
+  if (dot == std::string_view::npos) return false;
+  const Object* object = world.find(target.substr(0, dot));
+  const int field = object == nullptr ? -1 : object->type->find(target.substr(dot + 1, target.find('[') - dot - 1));
   return field >= 0 && object->type->field(field).measured;
 }
 
@@ -61,8 +62,8 @@ class Replay : public Operation {
       if (Status status = carry_out(manager, record); !status) {
         const Error error = status.error();
         return end(manager, Error{error.kind,
-                                  "tick " + std::to_string(record.tick) + ", " + record.source + ": " +
-                                      record.line.substr(0, 200) + ": " + error.sentence,
+                                  "tick " + std::to_string(record.tick) + ", " + std::string(record.source) + ": " +
+                                      std::string(record.line.substr(0, 200)) + ": " + error.sentence,
                                   0});
       }
       if (inner_) return std::nullopt;
@@ -95,11 +96,11 @@ class Replay : public Operation {
     if (record.source == ask_source) return ask(manager, record);
     if (record.source == checkpoint_source) return checkpoint(manager, record);
     if (Status split = words_.split(record.line); !split) return split;
-    if (words_.empty() || sets_measured(manager.world, words_)) return {};
+    if (words_.empty() || (live_ && sets_measured(manager.world, words_))) return {};
     const std::string_view verb = words_.words()[0].text;
     if (!live_ && (verb == "start" || verb == "end")) return {};
     if (live_) tell_before(manager, record);
-    Outcome outcome = say_again(manager, record, text_.path, live_);
+    Outcome outcome = say_again(manager, record, words_, text_.path, live_);
     inner_ = std::move(outcome.operation);
     return outcome.status;
   }
@@ -190,16 +191,21 @@ std::optional<TickLine> parse_tick(const Record& record) {
 Outcome say_again(Manager& manager, const Record& record, const std::string& journal, bool owning) {
   LineWords words;
   if (Status split = words.split(record.line); !split) return split;
+  return say_again(manager, record, words, journal, owning);
+}
+
+Outcome say_again(Manager& manager, const Record& record, const LineWords& words, const std::string& journal,
+                  bool owning) {
   if (words.empty() || sets_measured(manager.world, words)) return {};
   const std::string_view verb = words.words()[0].text;
   Source source;
-  source.id = manager.add_source(record.source);
   source.name = record.source;
+  source.id = manager.add_source(source.name);
   // so that it owns what it wrote
   if (owning && (verb == "set" || verb == "put")) source.gate = manager.find_manipulator(record.source);
   if (verb == "put") return restore_array(manager, source, words.words(), record.line, journal);
   std::string body;
-  return manager.execute(source, manager.main_session(), words, record.line, Scope{record.prefix}, body);
+  return manager.execute(source, manager.main_session(), words, record.line, Scope{std::string(record.prefix)}, body);
 }
 
 bool is_journaled(const Command& command) {

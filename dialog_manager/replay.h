@@ -28,6 +28,9 @@ std::optional<TickLine> parse_tick(const Record& record);
 /// Carries out the line of a record, as whoever said it. `journal`: the file it stands in, which arrays stand beside.
 /// `owning`: a program that runs becomes the owner of what it wrote.
 Outcome say_again(Manager& manager, const Record& record, const std::string& journal, bool owning);
+/// The same, of a line that was split already.
+Outcome say_again(Manager& manager, const Record& record, const objdb::LineWords& words, const std::string& journal,
+                  bool owning);
 
 /// The records up to a time, with what `rewind` records took back left out.
 std::vector<Record> records_until(const JournalText& text, double time);

@@ -31,6 +31,11 @@ std::string_view without_backslash(std::string_view line) {
   return line.substr(0, line.size() - 1);
 }
 
+// what follows the line that was read last
+std::string_view rest(const Input& input) {
+  return input.live ? input.live->lines().rest() : std::string_view(input.text).substr(input.at);
+}
+
 }  // namespace
 
 Session::Session(std::string session_name, Style style, channel::Writer& out, channel::Writer& errors)
@@ -63,7 +68,9 @@ bool Session::step(Manager& manager, int budget) {
     if (got == Got::end && stack_.empty()) return did;
     if (got == Got::none) return did;
     did = true;
-    if (got == Got::line) run_line(manager, line_, stack_.back().where, stack_.back().scope);
+    if (got != Got::line) continue;
+    if (++lines_ % objdb::lines_looked_ahead == 0) look_ahead(manager.world, rest(stack_.back()));
+    run_line(manager, line_, stack_.back().where, stack_.back().scope);
     // a tick that is under way is not to be disturbed
     if (manager.tick_in_flight()) return did;
   }

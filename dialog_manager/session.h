@@ -117,6 +117,7 @@ class Session : public Source {
   std::string kept_line_, kept_prefix_;  // for the journal, when the operation has ended well
   bool abbreviates_ = false;
   std::size_t longest_line_ = 65536;
+  unsigned lines_ = 0;  // that were read
   std::size_t unread_limit_ = 2 << 20;
   std::uint64_t missed_ = 0;  // events that were not told
   bool failed_ = false;

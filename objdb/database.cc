@@ -130,7 +130,7 @@ Result<ObjectId> Database::create(const Type& type, std::string_view path) {
   const ObjectId id = object->id;
   objects_.emplace_back();
   insert(std::move(object));
-  record({Change::What::creation, 0, 0, id, {}, origin_, nullptr});
+  if (history_limit_ > 0) record(Change::What::creation, id);
   return id;
 }
 
@@ -212,10 +212,13 @@ void Database::assign(const Object& object, int field, Value&& value) {
   }
   const Origin old_origin = slot.origin;
   write(target, field, value, origin_);
+  if (history_limit_ == 0) return;
+  Change& change = record(Change::What::value, target.id);
+  change.owner = static_cast<std::uint16_t>(slot.owner);
+  change.field = field;
+  change.origin = old_origin;
   // write() has left the old value in `value`
-  if (history_limit_ > 0)
-    record({Change::What::value, static_cast<std::uint16_t>(slot.owner), field, target.id, std::move(value), old_origin,
-            nullptr});
+  swap_values(change.old, value);
 }
 
 void Database::write(Object& object, int field, Value& value, const Origin& origin) {
@@ -270,7 +273,7 @@ Status Database::erase(std::vector<ObjectId> ids, bool force) {
   // from below: children have larger numbers than their parents
   for (auto id = all.rbegin(); id != all.rend(); ++id) {
     std::shared_ptr<Object> object = remove(*id);
-    if (history_limit_ > 0) record({Change::What::deletion, 0, 0, *id, {}, origin_, std::move(object)});
+    if (history_limit_ > 0) record(Change::What::deletion, *id).object = std::move(object);
   }
   return {};
 }
@@ -309,10 +312,22 @@ void Database::empty_parent(const Object& object) {
   assign(object, scene::Scene::parent, Value(std::int64_t{0}));
 }
 
-void Database::record(Change change) {
-  if (history_limit_ == 0) return;
-  history_.push_back(std::move(change));
+Database::Change& Database::record(Change::What what, ObjectId id) {
   trim_history();
+  Change& change = history_.push();
+  change.what = what;
+  change.id = id;
+  change.field = 0;
+  change.owner = 0;
+  change.origin = origin_;
+  return change;
+}
+
+void Database::drop_change(Change& change) {
+  // its place is used again: what it owns goes
+  constexpr std::size_t flat = 4;
+  if (change.old.index() >= flat) change.old = std::int64_t{0};
+  change.object.reset();
 }
 
 void Database::keep_history(std::size_t limit) {
@@ -320,21 +335,23 @@ void Database::keep_history(std::size_t limit) {
   trim_history();
 }
 
-void Database::forget_history() {
-  history_base_ += history_.size();
-  history_.clear();
-}
-
-void Database::trim_history() {
-  while (history_.size() > history_limit_) {
+void Database::forget_history(std::uint64_t mark) {
+  while (history_base_ < mark && !history_.empty()) {
+    drop_change(history_.front());
     history_.pop_front();
     ++history_base_;
   }
 }
 
+void Database::trim_history() {
+  // there is room for one more afterwards
+  while (history_.size() >= std::max<std::size_t>(history_limit_, 1)) forget_history(history_base_ + 1);
+}
+
 void Database::roll_back(std::uint64_t mark, std::vector<Change>* redo) {
   while (history_base_ + history_.size() > mark && !history_.empty()) {
     Change change = std::move(history_.back());
+    drop_change(history_.back());
     history_.pop_back();
     switch (change.what) {
       case Change::What::value: {
@@ -369,7 +386,9 @@ void Database::roll_forward(std::vector<Change>& redo) {
         break;
       case Change::What::deletion: change.object = remove(change.id); break;
     }
-    record(std::move(change));
+    if (history_limit_ == 0) continue;
+    Change& again = record(change.what, change.id);
+    again = std::move(change);
   }
 }
 

@@ -10,6 +10,7 @@
 #include <tsl/robin_map.h>
 #include <tsl/robin_set.h>
 
+#include "objdb/history.h"
 #include "objdb/object.h"
 #include "objdb/scene/scene.h"
 #include "objdb/type.h"
@@ -80,12 +81,14 @@ class Database : public Names {
 
   /// Keeps at most `limit` changes; 0 keeps none (the default: a mirror takes nothing back).
   void keep_history(std::size_t limit);
+  /// Nothing before `mark` can be taken back any more.
+  void forget_history(std::uint64_t mark);
   /// A point to return to.
   std::uint64_t mark() const { return history_base_ + history_.size(); }
   /// The oldest point that can still be returned to.
   std::uint64_t oldest_mark() const { return history_base_; }
   /// Nothing that happened so far will be taken back.
-  void forget_history();
+  void forget_history() { forget_history(mark()); }
   /// Takes back everything since `mark`. The inverse is appended to `redo` when given.
   struct Change;
   void roll_back(std::uint64_t mark, std::vector<Change>* redo = nullptr);
@@ -144,7 +147,8 @@ class Database : public Names {
   Status drop_referrers(const tsl::robin_set<ObjectId>& doomed, bool force);
   void touch(Object& object, int field);
   void touch_hash(Object& object);
-  void record(Change change);
+  Change& record(Change::What what, ObjectId id);
+  void drop_change(Change& change);
   void trim_history();
   void trim_events();
   std::uint64_t push_event(ObjectId id, int field);
@@ -168,7 +172,7 @@ class Database : public Names {
   std::unique_ptr<scene::Scene> scene_;
   Origin origin_;
 
-  std::deque<Change> history_;
+  History<Change> history_;
   std::uint64_t history_base_ = 0;
   std::size_t history_limit_ = 0;
 

@@ -106,10 +106,35 @@ std::size_t null_rotation(const std::vector<double>& numbers) {
   return numbers.size();
 }
 
+// a decimal without exponent of up to 15 digits: both the digits and the power of ten are exact doubles, so that their
+// quotient is rounded once, and is the nearest double (Clinger, How to read floating point numbers accurately, 1990)
+bool short_decimal(std::string_view text, double& out) {
+  static constexpr double powers[] = {1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14};
+  const bool negative = !text.empty() && text[0] == '-';
+  if (negative) text.remove_prefix(1);
+  if (text.size() > 16 || text.empty() || text[0] == '.') return false;
+  std::int64_t digits = 0;
+  std::size_t point = text.size();
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const auto digit = static_cast<unsigned>(text[i] - '0');
+    if (digit <= 9)
+      digits = 10 * digits + digit;
+    else if (text[i] == '.' && point == text.size() && i + 1 < text.size())
+      point = i;
+    else
+      return false;
+  }
+  if (point == text.size() && text.size() > 15) return false;
+  const auto value = static_cast<double>(digits) / powers[point == text.size() ? 0 : text.size() - point - 1];
+  out = negative ? -value : value;
+  return true;
+}
+
 // the usual case: a bare number that from_chars takes whole, finite and in range; all else goes the long way
 bool plain_number(const Field& field, const Word& word, double& out) {
   const char *first = word.text.data(), *last = first + word.text.size();
   if (word.quoted || first == last) return false;
+  if (short_decimal(word.text, out)) return !field.ranged || (out >= field.low && out <= field.high);
   const char digit = *first == '-' && last - first > 1 ? first[1] : *first;
   if (digit < '0' || digit > '9') return false;
   const auto [end, error] = std::from_chars(first, last, out);

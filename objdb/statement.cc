@@ -1,6 +1,7 @@
 #include "objdb/statement.h"
 
 #include <algorithm>
+#include <array>
 
 namespace objdb {
 namespace {
@@ -94,27 +95,58 @@ Status check_length(std::string_view path, const Field& field, const Value& valu
   return {};
 }
 
-Result<Value> parse_for(const Database& database, const Object& object, int index, const Target& target, Words words,
-                        const Names& names, const Word& where) {
+Status parse_for(const Database& database, const Object& object, int index, const Target& target, Words words,
+                 const Names& names, const Word& where, Value& out) {
   const Field& field = object.type->field(index);
   if (field.derived)
     return error_at(where.column, ErrorKind::owner,
                     object.path + "." + field.name + " is computed from other fields and cannot be set");
-  Result<Value> value =
-      target.sliced ? replace_elements(object, field, target, words, names) : parse_value(field, words, names);
-  if (!value) {
-    Error error = value.error();
+  Status parsed;
+  if (target.sliced) {
+    Result<Value> value = replace_elements(object, field, target, words, names);
+    if (value)
+      out = std::move(*value);
+    else
+      parsed = value.error();
+  } else {
+    parsed = parse_value_into(field, words, names, out);
+  }
+  if (!parsed) {
+    Error error = parsed.error();
     if (error.column == 0) error.column = where.column;
     return error;
   }
   if (field.kind == Kind::text)
-    if (Status status = check_length(object.path, field, *value); !status)
+    if (Status status = check_length(object.path, field, out); !status)
       return error_at(words[0].column, status.error().kind, status.error().sentence);
   // text is checked as it is read; only references can still be wrong
   if (field.holds_refs())
-    if (Status status = database.check(object, index, *value); !status)
+    if (Status status = database.check(object, index, out); !status)
       return error_at(words[0].column, status.error().kind, status.error().sentence);
-  return value;
+  return {};
+}
+
+// the usual target: a field of an object, both there under just these names
+const Object* find_plain(const Database& database, std::string_view target, const Scope& scope, int& field) {
+  const std::size_t dot = target.find('.');
+  if (dot == std::string_view::npos) return nullptr;
+  const std::string_view path = target.substr(0, dot);
+  const Object* object = scope.prefix.empty() ? database.find(path) : database.find(scope.resolve(path));
+  if (object != nullptr) field = object->type->find(target.substr(dot + 1));
+  return field >= 0 ? object : nullptr;
+}
+
+Status set_one(Database& database, const Object& object, int field, const Target& target, Words words,
+               const Names& names, Gate* gate) {
+  const Word& where = words[0];
+  if (gate != nullptr)
+    if (Status status = gate->may_write(object, field); !status)
+      return error_at(where.column, status.error().kind, status.error().sentence);
+  Value value;
+  if (Status parsed = parse_for(database, object, field, target, words.subspan(1), names, where, value); !parsed)
+    return parsed;
+  database.assign(object, field, std::move(value));
+  return {};
 }
 
 void append_declarations(std::string& out, const Schema& schema) {
@@ -261,6 +293,10 @@ Result<ObjectId> create_statement(Database& database, Words words, const Scope& 
 Status set_statement(Database& database, Words words, const Scope& scope, Gate* gate) {
   if (words.size() < 2)
     return Error{ErrorKind::syntax, "expected set PATH.FIELD VALUE...", words.empty() ? 0 : words[0].column};
+  const ScopedNames names(database, scope);
+  int plain_field = -1;
+  if (const Object* object = find_plain(database, words[0].text, scope, plain_field))
+    return set_one(database, *object, plain_field, {}, words, names, gate);
   const Result<Target> target = parse_target(words[0]);
   if (!target) return target.error();
   if (target->field.empty())
@@ -268,7 +304,6 @@ Status set_statement(Database& database, Words words, const Scope& scope, Gate* 
   if (is_pattern(target->field))
     return error_at(target->field_column, ErrorKind::syntax,
                     shown(target->field) + " is a pattern, expected one field");
-  const ScopedNames names(database, scope);
   const Words values = words.subspan(1);
 
   if (!is_pattern(target->pattern)) {
@@ -276,13 +311,7 @@ Status set_statement(Database& database, Words words, const Scope& scope, Gate* 
     if (!object) return object.error();
     const Result<int> index = find_field(**object, target->field, target->field_column);
     if (!index) return index.error();
-    if (gate != nullptr)
-      if (Status status = gate->may_write(**object, *index); !status)
-        return error_at(words[0].column, status.error().kind, status.error().sentence);
-    Result<Value> value = parse_for(database, **object, *index, *target, values, names, words[0]);
-    if (!value) return value.error();
-    database.assign(**object, *index, std::move(*value));
-    return {};
+    return set_one(database, **object, *index, *target, words, names, gate);
   }
 
   const Result<std::vector<const Object*>> objects = find_objects(database, target->pattern, words[0].column, scope);
@@ -299,9 +328,10 @@ Status set_statement(Database& database, Words words, const Scope& scope, Gate* 
     if (gate != nullptr)
       if (Status status = gate->may_write(*object, index); !status)
         return error_at(words[0].column, status.error().kind, status.error().sentence);
-    Result<Value> value = parse_for(database, *object, index, *target, values, names, words[0]);
-    if (!value) return value.error();
-    writes.push_back({object, index, std::move(*value)});
+    writes.push_back({object, index, {}});
+    if (Status parsed = parse_for(database, *object, index, *target, values, names, words[0], writes.back().value);
+        !parsed)
+      return parsed;
   }
   if (writes.empty())
     return error_at(target->field_column, ErrorKind::unknown,
@@ -319,6 +349,36 @@ Status set_statement(Database& database, Words words, const Scope& scope, Gate* 
     writes[i].value = std::move(old);
   }
   return {};
+}
+
+void look_ahead(const Database& database, std::string_view text) {
+  constexpr std::size_t small_world = 1000;
+  if (database.size() < small_world) return;
+  struct Ahead {
+    const Object* object = nullptr;
+    std::string_view field;
+  };
+  std::array<Ahead, lines_looked_ahead> ahead;
+  // look-ups that do not depend on each other wait for memory at the same time
+  for (Ahead& each : ahead) {
+    const std::size_t end = text.find('\n');
+    if (end == std::string_view::npos) break;
+    std::string_view line = text.substr(0, end);
+    text.remove_prefix(end + 1);
+    if (line.starts_with('@')) line.remove_prefix(std::min(line.find(' '), line.size() - 1) + 1);
+    if (!line.starts_with("set ")) continue;
+    line.remove_prefix(4);
+    const std::string_view target = line.substr(0, line.find(' '));
+    const std::size_t dot = target.find('.');
+    if (dot == std::string_view::npos) continue;
+    each = {database.find(target.substr(0, dot)), target.substr(dot + 1)};
+  }
+  for (const Ahead& each : ahead) {
+    if (each.object == nullptr) continue;
+    __builtin_prefetch(&each.object->hash_stale);
+    if (const int field = each.object->type->find(each.field); field >= 0)
+      __builtin_prefetch(&each.object->slots[static_cast<std::size_t>(field)]);
+  }
 }
 
 Status delete_statement(Database& database, Words words, const Scope& scope) {

@@ -60,6 +60,10 @@ Result<std::vector<const Object*>> find_objects(const Database& database, std::s
 Result<ObjectId> create_statement(Database& database, Words words, const Scope& scope);
 /// The words after the verb of: `set PATTERN.FIELD VALUE...`, also of one element `[17]` or a run of them `[0..9]`.
 Status set_statement(Database& database, Words words, const Scope& scope, Gate* gate = nullptr);
+/// Asks memory for what the first lines of `text` will set, all at once, so that each of them does not wait for it in
+/// its turn. Does nothing in a world that is small enough to be in the cache anyway.
+void look_ahead(const Database& database, std::string_view text);
+constexpr int lines_looked_ahead = 16;
 /// The words after the verb of: `delete PATTERN [force]`.
 Status delete_statement(Database& database, Words words, const Scope& scope);
 

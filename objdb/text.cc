@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <charconv>
 #include <cstring>
 
@@ -65,13 +66,63 @@ Status check_bytes(std::string_view line) {
   return {};
 }
 
+constexpr std::uint64_t each_byte = 0x0101010101010101ull, top_bits = 0x80 * each_byte;
+
+// the top bit of every byte that ends a bare word or is not to be there: blanks and control bytes, the quote, DEL, what
+// is no ASCII. No byte carries into the next
+std::uint64_t ends_of_word(std::uint64_t bytes) {
+  const std::uint64_t low = bytes & ~top_bits;
+  const std::uint64_t above_blank = low + (0x7f - 0x20) * each_byte, is_delete = low + each_byte,
+                      no_quote = (low ^ 0x22 * each_byte) + 0x7f * each_byte;
+  return (bytes | is_delete | ~above_blank | ~no_quote) & top_bits;
+}
+
+// eight bytes of the line, the first in the lowest place; zeros behind its end
+std::uint64_t bytes_at(std::string_view line, std::size_t at) {
+  std::uint64_t bytes = 0;
+  if (const std::size_t rest = line.size() - at; rest >= 8 && std::endian::native == std::endian::little)
+    std::memcpy(&bytes, line.data() + at, 8);
+  else
+    for (std::size_t i = 0; i < std::min<std::size_t>(rest, 8); ++i)
+      bytes |= std::uint64_t{static_cast<unsigned char>(line[at + i])} << (8 * i);
+  return bytes;
+}
+
 }  // namespace
 
 Status LineWords::split(std::string_view line) {
+  if (!line.empty() && line.back() == '\r') line.remove_suffix(1);
+  return split_plain(line) ? Status() : split_any(line);
+}
+
+bool LineWords::split_plain(std::string_view line) {
+  tag_ = {};
+  words_.clear();
+  std::size_t at = 0;
+  while (true) {
+    while (at < line.size() && is_blank(line[at])) ++at;
+    if (at == line.size()) break;
+    const std::size_t start = at;
+    std::uint64_t ends = 0;
+    while ((ends = ends_of_word(bytes_at(line, at))) == 0) at += 8;
+    at += static_cast<std::size_t>(std::countr_zero(ends)) / 8;
+    if (at < line.size() && !is_blank(line[at])) return false;
+    const std::string_view text = line.substr(start, at - start);
+    if (text[0] == '#') return false;
+    if (text[0] == '@' && words_.empty() && tag_.empty() && text.size() > 1)
+      tag_ = text.substr(1);
+    else if (text[0] == '@' && words_.empty())
+      return false;
+    else
+      words_.push_back({text, static_cast<int>(start) + 1, false});
+  }
+  return tag_.empty() || !words_.empty();
+}
+
+Status LineWords::split_any(std::string_view line) {
   tag_ = {};
   words_.clear();
   unescaped_.clear();
-  if (!line.empty() && line.back() == '\r') line.remove_suffix(1);
   if (Status bytes = check_bytes(line); !bytes) return bytes;
 
   std::size_t at = 0;

@@ -36,6 +36,9 @@ class LineWords {
   bool empty() const { return words_.empty(); }
 
  private:
+  // the usual line: bare words of ASCII, blanks between them. False: look at it with care
+  bool split_plain(std::string_view line);
+  Status split_any(std::string_view line);
   Status quoted_word(std::string_view line, std::size_t& at);
 
   std::string_view tag_;

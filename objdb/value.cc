@@ -26,16 +26,19 @@ void swap_values(Value& a, Value& b) {
 
 bool same_bits(const Value& a, const Value& b) {
   if (a.index() != b.index()) return false;
-  if (const Vec3* left = std::get_if<Vec3>(&a)) return std::memcmp(left, std::get_if<Vec3>(&b), sizeof(Vec3)) == 0;
+  const auto same = [](const auto* left, const auto* right) { return std::memcmp(left, right, sizeof *left) == 0; };
+  switch (a.index()) {
+    case 0: return same(std::get_if<0>(&a), std::get_if<0>(&b));
+    case 1: return same(std::get_if<1>(&a), std::get_if<1>(&b));
+    case 2: return same(std::get_if<2>(&a), std::get_if<2>(&b));
+    case 3: return same(std::get_if<3>(&a), std::get_if<3>(&b));
+    default: break;
+  }
   return std::visit(
       [&](const auto& left) {
         using T = std::decay_t<decltype(left)>;
         const T& right = *std::get_if<T>(&b);
-        if constexpr (std::is_same_v<T, double>) {
-          return std::bit_cast<std::uint64_t>(left) == std::bit_cast<std::uint64_t>(right);
-        } else if constexpr (std::is_same_v<T, Vec3> || std::is_same_v<T, Quat>) {
-          return std::memcmp(left.data(), right.data(), sizeof(T)) == 0;
-        } else if constexpr (std::is_same_v<T, std::vector<double>>) {
+        if constexpr (std::is_same_v<T, std::vector<double>>) {
           return left.size() == right.size() &&
                  (left.empty() || std::memcmp(left.data(), right.data(), left.size() * sizeof(double)) == 0);
         } else {

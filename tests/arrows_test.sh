@@ -37,7 +37,7 @@ room_of() {
   case $path in
     tests/bench/objdb_*) path=objdb/x ;;
     tests/bench/dialog_manager_*) path=dialog_manager/x ;;
-    tests/fuzz/*) path=objdb/x ;;
+    tests/fuzz/*) path=dialog_manager/x ;;
     tests/bench/*) path=manipulators/${path#tests/bench/} path=${path%_bench.cc}/x ;;
     tests/*) path=${path#tests/} ;;
   esac

@@ -32,6 +32,8 @@ class LineBuffer {
   /// Is there, for sure, more to take with next()?
   bool has_line() const;
   std::size_t pending() const { return end_ - begin_; }
+  /// What has arrived and was not given out yet.
+  std::string_view rest() const { return std::string_view(bytes_).substr(begin_, end_ - begin_); }
 
  private:
   std::string bytes_;

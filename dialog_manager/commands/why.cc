@@ -23,8 +23,8 @@ void tell_origin(std::string& out, const Manager& manager, const Object& object,
     return;
   }
   out += "    by " + manager.source_name(origin.source) + " at tick " + std::to_string(origin.tick);
-  const LineLog::Line* line = manager.lines.find(origin.line);
-  out += line == nullptr ? " (the line is no longer kept)\n" : ": " + line->text + "\n";
+  const std::optional<std::string_view> line = manager.lines.find(origin.line);
+  out += line ? ": " + std::string(*line) + "\n" : " (the line is no longer kept)\n";
 }
 
 // what a solver says about its own answer

@@ -14,6 +14,8 @@ using Eigen::Vector3d;
 constexpr double inside_depth = 0.0025;
 /// over these depths the motion of lips and lids dies away behind them
 constexpr double mouth_fade = 0.012, lid_fade = 0.006;
+/// the rim of a lid lies on the ball: below the film, by as much as the ball is out of round
+constexpr double lid_rim = 0.0025;
 
 /// 1 at 0, 0 from 1 on, with a slope of zero at both ends
 double fade(double t) {
@@ -327,8 +329,13 @@ void Binder::bind_vertex(int v, std::vector<FaceCarrier::Row>& rows) const {
   double skin_share = 1, jaw = 0;
   if (vertex.mouth || vertex.lid) {
     const auto [inner, skin] = radii(at);
-    skin_share = std::clamp((vertex.chart.radius - inner) / (skin - inner), 0.0, 1.0);
-    const double behind = (inner - vertex.chart.radius) / (vertex.mouth ? mouth_fade : lid_fade);
+    // lips follow their tissue at the depth where they lie; lids are thin: rim and skin move as one, and what is behind
+    // the front of the eyeball comes to rest
+    double behind = (inner - vertex.chart.radius) / mouth_fade;
+    if (vertex.mouth)
+      skin_share = std::clamp((vertex.chart.radius - inner) / (skin - inner), 0.0, 1.0);
+    else
+      behind = (inner - lid_rim - vertex.chart.radius) / lid_fade;
     const double hold = fade(behind);
     if (vertex.mouth && vertex.side == CutSide::below) jaw = (1 - hold) * amount;
     amount *= hold;

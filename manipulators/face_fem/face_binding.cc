@@ -15,7 +15,7 @@ constexpr double inside_depth = 0.0025;
 /// over these depths the motion of lips and lids dies away behind them
 constexpr double mouth_fade = 0.012, lid_fade = 0.006;
 /// the rim of a lid lies on the ball: below the film, by as much as the ball is out of round
-constexpr double lid_rim = 0.0025;
+constexpr double lid_rim = 0.0050;
 
 /// 1 at 0, 0 from 1 on, with a slope of zero at both ends
 double fade(double t) {

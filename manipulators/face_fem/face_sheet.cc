@@ -294,8 +294,8 @@ Status Layer::scan() {
       ++missed;
     }
   }
-  // a scan may have gaps at its borders
-  const int allowed = head_.closed() ? 6 : int(sheet_.stacks.size()) / 20;
+  // a few rays slip in beside an open eye; a scan may have gaps at its borders
+  const int allowed = int(sheet_.stacks.size()) / (head_.closed() ? 150 : 20);
   if (missed > allowed) {
     std::ostringstream text;
     text << "the skin has holes where the face is: " << missed << " of " << sheet_.stacks.size() << " rays miss it";

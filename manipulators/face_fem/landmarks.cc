@@ -226,33 +226,36 @@ Eyeball Finder::guessed_eye(int side) const {
   return eye;
 }
 
-/// The aperture of an eye: columns of rays from the front that meet the ball before the skin.
+/// The aperture of an eye: rays from its centre that leave the ball without passing through skin.
 bool Finder::open_lids(int side) {
   const Eyeball& eye = out_.eyes[side];
   std::vector<Vector3d> upper, lower;
-  constexpr double dx = 0.00075, dy = 0.0004;
-  const auto ball = [&](double x, double y) {
-    const double square = eye.radius * eye.radius - std::pow(x - eye.centre.x(), 2) - std::pow(y - eye.centre.y(), 2);
-    return square > 0 ? eye.centre.z() + std::sqrt(square) : -HUGE_VAL;
+  constexpr double degree = M_PI / 180, across = 2.5 * degree, up = 1.2 * degree, widest = 70 * degree,
+                   highest = 50 * degree;
+  const auto way = [](double azimuth, double elevation) {
+    return Vector3d(std::sin(azimuth) * std::cos(elevation), std::sin(elevation),
+                    std::cos(azimuth) * std::cos(elevation));
   };
-  for (double x = eye.centre.x() - 1.6 * eye.radius; x < eye.centre.x() + 1.6 * eye.radius; x += dx) {
+  for (double azimuth = -widest; azimuth <= widest; azimuth += across) {
     double low = HUGE_VAL, high = -HUGE_VAL;
-    for (double y = eye.centre.y() - eye.radius; y < eye.centre.y() + eye.radius; y += dy) {
+    for (double elevation = -highest; elevation < highest; elevation += up) {
       // a hole in the skin in front of the orbit is an opening too, as is a pocket behind the lids
-      const double floor = std::max(ball(x, y), eye.centre.z() - 0.5 * eye.radius);
-      if (head_.front(x, y).value_or(-HUGE_VAL) < floor) low = std::min(low, y), high = std::max(high, y);
+      if (head_.outermost(eye.centre, way(azimuth, elevation)).value_or(0) > 1.01 * eye.radius) continue;
+      low = std::min(low, elevation);
+      high = std::max(high, elevation);
     }
-    if (high - low < dy) continue;
-    const auto margin = [&](double y, double out) {
-      return Vector3d(x, y, std::max(ball(x, y), head_.front(x, y + out).value_or(eye.centre.z())));
+    if (high - low < up) continue;
+    const auto margin = [&](double elevation, double out) {
+      const double skin = head_.outermost(eye.centre, way(azimuth, elevation + out)).value_or(eye.radius);
+      return Vector3d(eye.centre + std::clamp(skin, eye.radius, 1.15 * eye.radius) * way(azimuth, elevation));
     };
-    upper.push_back(margin(high, 0.001));
-    lower.push_back(margin(low, -0.001));
+    upper.push_back(margin(high + up / 2, 2 * up));
+    lower.push_back(margin(low - up / 2, -2 * up));
   }
   if (upper.size() < 12) return false;
   // the canthi close the two margins
-  const Vector3d right = (upper.front() + lower.front()) / 2 - Vector3d(dx, 0, 0);
-  const Vector3d left = (upper.back() + lower.back()) / 2 + Vector3d(dx, 0, 0);
+  const Vector3d right = (upper.front() + lower.front()) / 2 + (upper.front() - upper[1]) / 2;
+  const Vector3d left = (upper.back() + lower.back()) / 2 + (upper.back() - upper[upper.size() - 2]) / 2;
   for (auto* margin : {&upper, &lower}) {
     margin->insert(margin->begin(), right);
     margin->push_back(left);

@@ -22,7 +22,7 @@ struct Landmarks {
 };
 
 /// Finds the landmarks of a head that faces +Z: the profile in the middle plane from its turning points, eyes from
-/// eyeballs (where a ray from the front meets the ball before the skin the eye is open), mouth corners where the cleft
+/// eyeballs (where a ray from the ball meets no skin outside it the eye is open), mouth corners where the cleft
 /// between the lips ends, the rest from relief and proportion. `given` replaces points by name.
 /// Errors: `landmark` what was not found and why; `unknown` a name that is not in landmark_names.
 Result<Landmarks> find_landmarks(const Head& head, const std::map<std::string, Eigen::Vector3d>& given);

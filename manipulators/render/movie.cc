@@ -158,6 +158,8 @@ std::string Movie::finish() {
     int status = 0;
     while (waitpid(process_, &status, 0) < 0 && errno == EINTR) continue;
     process_ = -1;
+    if (WIFSIGNALED(status))
+      return "ffmpeg was ended by signal " + std::to_string(WTERMSIG(status)) + " at '" + path_ + "'";
     if (!WIFEXITED(status) || WEXITSTATUS(status) != 0) {
       for (char& c : complaint) c = c == '\n' ? ' ' : c;
       return "ffmpeg failed on '" + path_ + "': " + complaint;

@@ -1,8 +1,8 @@
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
 #include <gtest/gtest.h>
-#include <assimp/Importer.hpp>
 
+#include <assimp/Importer.hpp>
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
@@ -74,6 +74,53 @@ TEST(Movie, SaysWhyItCannotBeMade) {
   for (int k = 0; k < 50 && complaint.empty(); ++k) complaint = movie->add(Picture({64, 48}));
   if (complaint.empty()) complaint = movie->finish();
   EXPECT_NE(complaint.find("/nowhere/film.mp4"), std::string::npos);
+}
+
+// the programs that are found while it lives are those of one folder
+class OnlyPath {
+ public:
+  explicit OnlyPath(const std::string& folder) : before_(getenv("PATH")) { setenv("PATH", folder.c_str(), 1); }
+  ~OnlyPath() { setenv("PATH", before_.c_str(), 1); }
+  OnlyPath(const OnlyPath&) = delete;
+  OnlyPath& operator=(const OnlyPath&) = delete;
+
+ private:
+  std::string before_;
+};
+
+// what is said about a film of many frames, at the latest when it ends
+std::string complaint_about(const std::string& file) {
+  std::string problem;
+  auto movie = Movie::start(file, {64, 48}, 30, 0, problem);
+  if (!movie) return problem;
+  std::string complaint;
+  for (int k = 0; k < 400 && complaint.empty(); ++k) complaint = movie->add(Picture({64, 48}));
+  return complaint.empty() ? movie->finish() : complaint;
+}
+
+TEST(Movie, AMissingOrKilledEncoderIsTold) {
+  const std::string folder = scratch("encoders");
+  std::filesystem::create_directories(folder);
+  std::filesystem::remove(folder + "/ffmpeg");
+  const OnlyPath path(folder);
+  EXPECT_NE(complaint_about(scratch("c.mp4")).find("cannot start ffmpeg: No such file"), std::string::npos);
+  std::ofstream(folder + "/ffmpeg") << "#!/bin/sh\nread line\nkill -9 $$\n";
+  std::filesystem::permissions(folder + "/ffmpeg", std::filesystem::perms::owner_all);
+  EXPECT_EQ(complaint_about(scratch("c.mp4")), "ffmpeg was ended by signal 9 at '" + scratch("c.mp4") + "'");
+  // what it does when the disk is full (ffmpeg 5.1 under a limit on the size of files)
+  std::ofstream(folder + "/ffmpeg")
+      << "#!/bin/sh\nread line\necho 'Error writing trailer: No space left' >&2\nexit 1\n";
+  EXPECT_EQ(complaint_about(scratch("c.mp4")),
+            "ffmpeg failed on '" + scratch("c.mp4") + "': Error writing trailer: No space left ");
+  std::filesystem::remove_all(folder);
+}
+
+TEST(Movie, AFileNameIsAFileNameAndNoCommand) {
+  if (!has_ffmpeg()) GTEST_SKIP() << "no ffmpeg";
+  const std::string file = scratch("a'; touch x $(touch y) `z` b.mp4");
+  EXPECT_EQ(complaint_about(file), "");
+  EXPECT_GT(std::filesystem::file_size(file), 100u);
+  std::filesystem::remove(file);
 }
 
 TEST(Movie, RefusesAPictureOfAnotherSize) {

@@ -16,7 +16,7 @@ using objdb::Error;
 using objdb::ErrorKind;
 
 constexpr NamedExpression table[] = {
-    {"smile", Kind::expression, "AU6=0.6 AU12=1 AU25=0.3", 0.4, 0.6, "happiness"},
+    {"smile", Kind::expression, "AU6=0.7 AU12=0.85 AU25=0.3", 0.4, 0.6, "happiness"},
     {"frown", Kind::expression, "AU4=1 AU15=0.8 AU17=0.4", 0.4, 0.5, "displeased: brows down, corners down"},
     {"surprise", Kind::expression, "AU1=1 AU2=1 AU5=0.8 AU25=0.5 AU26=0.8", 0.15, 0.5, "surprise"},
     {"fear", Kind::expression, "AU1=1 AU2=0.6 AU4=0.6 AU5=1 AU7=0.4 AU11=0.2 AU20=0.9 AU25=0.6 AU26=0.4", 0.15, 0.5,

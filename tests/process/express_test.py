@@ -154,7 +154,7 @@ class Express(Case):
             manager.must("step")
             self.assertEqual(manager.must("get f.status"), "no_face")
             self.assertIn(word, manager.must("get f.reason"))
-        manager.must("express f smile")
+        manager.must("express f AU12")
         manager.must("step 30")
         self.assertAlmostEqual(self.number(manager, "AU12L"), 1)
 

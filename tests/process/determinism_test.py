@@ -85,8 +85,29 @@ class Determinism(Sessions):
 class SlowDeterminism(Sessions):
     def test_a_hundred_times(self):
         expected = self.session()
-        for _ in range(100):
-            self.assertEqual(self.session(), expected)
+        cores = sorted(os.sched_getaffinity(0))
+        for loaded in (False, True):
+            load = [subprocess.Popen(["/bin/sh", "-c", "while :; do :; done"]) for _ in range(4 if loaded else 0)]
+            try:
+                for _ in range(25):
+                    for where in ({cores[0]}, set(cores)):
+                        self.assertEqual(self.session(cores=where), expected, f"{'loaded' if loaded else 'idle'}, {len(where)} cores")
+            finally:
+                for process in load:
+                    process.kill()
+                    process.wait()
+
+    def test_debug_and_release(self):
+        other = sailor.BIN.parents[1] / ("dev" if sailor.BIN.parent.name == "release" else "release") / "bin"
+        if not (other / "dialog_manager").exists():
+            self.skipTest(f"no build in {other.parent.name}")
+        expected = self.session()
+        try:
+            sailor.BIN, before = other, sailor.BIN
+            got = self.session()
+        finally:
+            sailor.BIN = before
+        self.assertEqual(got, expected)
 
 
 if __name__ == "__main__":

@@ -192,6 +192,94 @@ class Readers(Case):
                 peak = next(int(line.split()[1]) for line in status if line.startswith("VmHWM"))
             self.assertLess(peak, 100 << 10, "kB")
 
+    def peak(self, process):
+        with open(f"/proc/{process.pid}/status", encoding="ascii") as status:
+            return next(int(line.split()[1]) for line in status if line.startswith("VmHWM"))
+
+    def test_a_reader_that_is_always_behind_does_not_make_it_grow(self):
+        process = self.start()
+        question = b"@x echo " + b"x" * 4000 + b"\n"
+        count, got = 15000, 0
+
+        def ask():
+            for _ in range(count // 100):
+                process.stdin.write(question * 100)
+            process.stdin.close()
+
+        asking = threading.Thread(target=ask)
+        asking.start()
+        while data := os.read(process.stdout.fileno(), 32768):
+            got += len(data)
+            # there is always more to read than was read
+            if got % 7 == 0:
+                time.sleep(0.001)
+        asking.join()
+        self.assertEqual(got, count * (4000 + 3 + len("@x ok\n")))
+        # 60 MB went through
+        self.assertEqual(process.wait(sailor.PATIENCE), 0)
+        if not sailor.SANITIZED:
+            self.assertLess(resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss, 100 << 10)
+
+    def test_one_byte_at_a_time_keeps_nobody_waiting(self):
+        process = self.start()
+        process.stdin.write(b"create node a\nlisten ear\n@h help\n@h help\n@h help\n@l sync heard\n")
+        process.stdin.flush()
+        until(lambda: (self.folder / "ear").exists(), "it listens")
+        with open(self.folder / "ear", "wb", buffering=0) as mouth:
+            mouth.write(b"set a.position 1 2 3\nsave heard.dlg\n")
+        until(lambda: (self.folder / "heard.dlg").exists(), "it is heard")
+        got = b""
+        while b"@l ok" not in got:
+            got += os.read(process.stdout.fileno(), 1)
+        self.assertEqual(got.count(b"@h ok\n"), 3)
+
+    def test_watched_values_that_nobody_reads_are_told_at_their_newest(self):
+        process = self.start()
+        process.stdin.write(b"create node a\nwatch a.position\nlisten ear\n")
+        process.stdin.flush()
+        until(lambda: (self.folder / "ear").exists(), "it listens")
+        last = 400000 if not sailor.SANITIZED else 60000
+        with open(self.folder / "ear", "wb", buffering=0) as mouth:
+            for first in range(0, last, 100):
+                mouth.write(b"".join(b"set a.position %d 0 0\n" % n for n in range(first + 1, first + 101)))
+            mouth.write(b"save done.dlg\n")
+        until(lambda: (self.folder / "done.dlg").exists(), "all is heard", 60)
+        if not sailor.SANITIZED:
+            self.assertLess(self.peak(process), 60 << 10, "kB")
+        process.stdin.write(b"@s sync end\n")
+        process.stdin.close()
+        told = process.stdout.read().splitlines()
+        values = [float(line.split()[2]) for line in told if line.startswith(b"event a.position")]
+        self.assertEqual(values[-1], last, "the newest value")
+        self.assertEqual(values, sorted(values))
+        self.assertIn(b"@s ok", told)
+
+    def test_errors_that_nobody_reads_do_not_make_it_grow(self):
+        reading, unread = os.pipe()
+        self.addCleanup(os.close, reading)
+        process = subprocess.Popen([BIN / "dialog_manager", "--framed", "--keep-going"], cwd=self.folder, stdin=subprocess.PIPE,
+                                   stdout=subprocess.PIPE, stderr=unread, env=sailor.environment(self.folder))
+        self.addCleanup(process.wait)
+        self.addCleanup(process.kill)
+        os.close(unread)
+        process.stdin.write(b"create node a\nlisten ear\n")
+        process.stdin.flush()
+        until(lambda: (self.folder / "ear").exists(), "it listens")
+        ear = os.open(self.folder / "ear", os.O_WRONLY | os.O_NONBLOCK)
+        self.addCleanup(os.close, ear)
+        deadline = time.monotonic() + 3
+        while time.monotonic() < deadline:
+            try:
+                os.write(ear, b"nonsense " * 100 + b"\n" + b"nonsense\n" * 300)
+            except BlockingIOError:
+                time.sleep(0.01)
+        if not sailor.SANITIZED:
+            self.assertLess(self.peak(process), 40 << 10, "kB")
+        # the conversation goes on beside it
+        process.stdin.write(b"@g get a.position\n")
+        process.stdin.flush()
+        self.assertEqual(process.stdout.readline(), b"  0 0 0\n")
+
     def test_a_reader_that_closes_is_no_crash(self):
         process = self.start()
         process.stdout.close()

@@ -2,10 +2,11 @@
 
 import os
 import random
+import subprocess
 import time
 
 import sailor
-from sailor import Case
+from sailor import BIN, Case
 
 # every one of these is refused, whatever the manager knows
 REFUSED = {
@@ -126,6 +127,42 @@ class Lines(Case):
         if not sailor.SANITIZED:
             self.assertLess(manager.memory() - size, 8 << 20)
         self.assert_recovered(manager, before)
+
+    def test_a_hundred_megabytes_of_joined_lines_leave_memory_flat(self):
+        # a backslash at its end joins a line with the next, where people write
+        process = subprocess.Popen([BIN / "dialog_manager", "--keep-going"], cwd=self.folder, stdin=subprocess.PIPE, stdout=subprocess.PIPE,
+                                   stderr=subprocess.PIPE, env=sailor.environment(self.folder))
+        block = b"x" * 1000 + b"\\\n"
+        for _ in range(1000):
+            process.stdin.write(block * 100)
+        process.stdin.write(b"x\necho after\n")
+        process.stdin.flush()
+        self.assertEqual(process.stdout.readline(), b"after\n")
+        process.stdin.close()
+        self.assertIn(b"error limit", process.stderr.read())
+        _, status, usage = os.wait4(process.pid, 0)
+        process.returncode = os.waitstatus_to_exitcode(status)
+        process.stdout.close()
+        process.stderr.close()
+        self.assertEqual(process.returncode, 1)
+        if not sailor.SANITIZED:
+            self.assertLess(usage.ru_maxrss, 32 << 10, "kB")
+
+    def test_a_mistake_in_the_last_of_many_values_changes_none(self):
+        manager = self.world()
+        manager.must("type row")
+        manager.must("field row.x real[]")
+        manager.must("field row.places vec3[] m in -10 10")
+        manager.must("create row r x 1 2 3")
+        before = manager.hash()
+        for line, kind in (("set r.x 1 2 3 4 5 6 7 8 9 10 eleven", "type"), ("set r.x 1 2 3 4 5 6 7 8 9 10 1e309", "range"),
+                           ("set r.places 1 2 3 4 5 6 7 8 11", "range"), ("set r.places 1 2 3 4 5", "syntax"),
+                           ("set r.x 1 2 3 4 5 6 7 8 9 10 4kg", "unit"), ("create row s x 1 2 3 places 1 2 nan", "type"),
+                           ("create sphere t radius 1 position 0 0 0 orientation 1 0 0 x", "type")):
+            with self.subTest(line):
+                manager.refused(line, kind)
+                self.assertEqual(manager.must("get r.x"), "1 2 3")
+                self.assert_recovered(manager, before)
 
     def test_one_byte_per_write(self):
         manager = self.world()

@@ -2,9 +2,11 @@
 
 import os
 import pathlib
+import random
 import resource
 import signal
 import subprocess
+import time
 
 import sailor
 from sailor import BIN, Case
@@ -266,6 +268,89 @@ class SlowStorage(Disk):
                     self.assertEqual(refused, 59 - acknowledged)
                     self.assertEqual(self.resumed(), f"{acknowledged} 0 0")
                 self.assertLessEqual(pathlib.Path(self.folder / "kept").stat().st_size, limit)
+
+
+class SlowKills(Disk):
+    TRIALS = int(os.environ.get("KILLS", "10000"))
+
+    def life(self, first, chance):
+        """One manager: what it found (line, tick, hash) or None when it was killed before it said so; what it acknowledged after that."""
+        process = subprocess.Popen([BIN / "dialog_manager", "--framed", "--keep-going", *first], cwd=self.folder, stdin=subprocess.PIPE,
+                                   stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, env=sailor.environment(self.folder))
+        try:
+            begin = b"create sphere ball\n" if first[0] == "--journal" else b""
+            process.stdin.write(begin + b"@p get ball.position\n@n time\n@w hash\n")
+            process.stdin.flush()
+            if chance.random() < 0.1:
+                # in the middle of its reading
+                time.sleep(chance.random() * 0.005)
+                return None, []
+            said = []
+            while len(said) < 6:
+                answer = process.stdout.readline().decode()
+                self.assertTrue(answer, "it ended by itself")
+                # that the last tick was not whole is told first
+                if not answer.startswith("event journal"):
+                    said.append(answer)
+            self.assertEqual([said[n] for n in (1, 3, 5)], ["@p ok\n", "@n ok\n", "@w ok\n"])
+            line, tick = int(said[0].split()[0]), round(float(said[2]) * 60)
+            last = b"@t%d step\n" % line if line > tick else b""
+            process.stdin.write(last + b"".join(b"@s%d set ball.position %d 0 0\n@t%d step\n@h%d hash\n" % (n, n, n, n)
+                                                for n in range(line + 1, line + 300)))
+            process.stdin.flush()
+            time.sleep(chance.random() * 0.01)
+            process.kill()
+            return (line, tick, said[4].strip()), process.stdout.read().decode().splitlines(keepends=True)
+        finally:
+            process.kill()
+            process.wait()
+            process.stdout.close()
+            try:
+                process.stdin.close()
+            except BrokenPipeError:
+                pass
+
+    def test_killed_at_random_ten_thousand_times(self):
+        """Each life goes on with the journal of the one before, says which world it found, works on and is killed."""
+        chance = random.Random(7)
+        kept = False
+        lost = half = compared = lines = 0
+        for trial in range(self.TRIALS):
+            if not kept or line > 5000:
+                self.fresh()
+                worlds, line, tick, kept = {}, 0, 0, False
+            found, output = self.life(["--resume" if kept else "--journal", "kept"], chance)
+            if found is None:
+                continue
+            if kept:
+                # nothing that was acknowledged is lost, and a tick is there whole or not at all
+                lost += found[0] < line or found[1] < tick
+                half += found[0] - found[1] not in (0, 1)
+                if found[0] == found[1] and found[0] in worlds:
+                    compared += 1
+                    half += found[2] != worlds[found[0]]
+            kept = True
+            line, tick = found[:2]
+            body = ""
+            for answer in output:
+                if not answer.endswith("\n"):
+                    break
+                if answer.startswith("  "):
+                    body = answer.strip()
+                    continue
+                tag, verdict = answer.split(" ", 1)
+                self.assertEqual(verdict, "ok\n", answer)
+                number = int(tag[2:])
+                lines += 1
+                if tag.startswith("@s"):
+                    line = number
+                elif tag.startswith("@t"):
+                    tick = number
+                else:
+                    worlds[number] = body
+            if (trial + 1) % 1000 == 0:
+                print(f"{trial + 1} kills, {lines} lines acknowledged, {lost} lost, {half} half ({compared} worlds compared)", flush=True)
+        self.assertEqual((lost, half), (0, 0))
 
 
 if __name__ == "__main__":

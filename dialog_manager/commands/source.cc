@@ -37,10 +37,13 @@ Outcome run(Call& call) {
     const std::string path = call.scope.resolve(call.words[2].text);
     Database& world = call.manager.world;
     if (world.find(path) == nullptr) {
-      world.speak_as(
-          {call.manager.lines.add(call.line), static_cast<std::uint32_t>(call.manager.clock.tick()), call.source.id});
-      const Result<ObjectId> made = world.create(world.scene().node_type(), path);
-      if (!made) return call.error(2, made.error().kind, made.error().sentence);
+      // a command of its own, which is kept and taken back like any other
+      const std::string line = "create node " + path;
+      LineWords words;
+      std::string nothing;
+      if (Status split = words.split(line); !split) return call.error(2, split.error().kind, split.error().sentence);
+      const Outcome made = call.manager.execute(call.source, call.session, words, line, {}, nothing);
+      if (!made.status) return call.error(2, made.status.error().kind, made.status.error().sentence);
     }
     input.scope.prefix = path + "/";
   }

@@ -83,7 +83,7 @@ class Journal(Journals):
         self.file("part.dlg", "create node from_script\nset from_script.position 1 1 1\n")
         manager = self.manager("--journal", "kept")
         for line in ("create node a", "set a.position 1 2 3", "set a.position 4 5 6", "undo", "begin", "create node b", "rollback", "begin",
-                     "create node c", "commit", "source part.dlg", "source part.dlg under c", "delete a", "undo", "redo", "step 2"):
+                     "create node c", "commit", "source part.dlg", "source part.dlg under c", "source part.dlg under made", "delete a", "undo", "redo", "step 2"):
             manager.must(line)
         manager.refused("nonsense", "unknown")
         expected = manager.hash()

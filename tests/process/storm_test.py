@@ -1,8 +1,10 @@
 """The storm: programs are killed at random, a FIFO is flooded, nobody reads; the world ends as in calm weather."""
 
 import contextlib
+import fcntl
 import os
 import pathlib
+import queue
 import random
 import re
 import signal
@@ -15,7 +17,7 @@ from sailor import BIN, PROGRAMS, SOURCE, Case, children, descendants, until
 
 # every line is refused or only looks: nothing of the flood may change the world
 FLOOD = (b"set nowhere.position 1 2 3\nnonsense\nset ball.position nan 0 0\n# nothing\n\x00\xff\xfe\nexpect 1 == 2\nundo\x01\n"
-         b"create sphere ball\nstep 5\nbegin now\n" + b"x" * 5000 + b"\n") * 3
+         b"create sphere nowhere/ball\nstep 0\nbegin now\n" + b"x" * 5000 + b"\n") * 3
 
 WALK = """start walker as a serving left*
 start walker as b serving right*
@@ -53,11 +55,12 @@ class Storms(Case):
         os.mkfifo(self.folder / "deaf", 0o600)
         # a reader that is there and never reads
         deaf = os.open(self.folder / "deaf", os.O_RDONLY | os.O_NONBLOCK)
+        fcntl.fcntl(deaf, fcntl.F_SETPIPE_SZ, 4096)
         reading, unread = os.pipe()
         shared = set(pathlib.Path("/dev/shm").iterdir())
         starts = re.findall(r"(?m)^start .*$", text)
-        head, tail = text[:text.index(starts[-1])] + starts[-1] + "\n", text[text.index(starts[-1]) + len(starts[-1]):]
-        self.file("storm.dlg", f"listen ear\n{head}watch **\ntrace deaf **\n{tail}")
+        first_run = re.search(r"(?m)^run ", text).start()
+        self.file("storm.dlg", f"listen ear\n{text[:first_run]}watch **\ntrace deaf ball.position ball.world_position\n{text[first_run:]}")
         manager = self.manager("--seed", "7", "--journal", "kept", "--pace", pace, "-i", "storm.dlg", "-c", "echo arrived", stderr=unread)
         os.close(unread)
         stop = threading.Event()
@@ -71,17 +74,20 @@ class Storms(Case):
             os.close(out)
 
         flooder = threading.Thread(target=flood)
+        trace_ended = False
         kills, peak, settled, next_kill = 0, 0, 0, time.monotonic() + 0.3
         deadline = time.monotonic() + 300
         try:
             until(lambda: len(children(manager.pid)) == len(starts), "all programs", 60)
             flooder.start()
             while True:
-                with contextlib.suppress(AssertionError):
-                    line = manager.line(0.02)
+                with contextlib.suppress(queue.Empty):
+                    line = manager.lines.get(timeout=0.02)
                     self.assertIsNotNone(line, "the manager ended")
                     if line == "  arrived":
                         break
+                    self.assertFalse(line.startswith("error"), line)
+                    trace_ended = trace_ended or line.startswith("event trace deaf ended")
                 self.assertLess(time.monotonic(), deadline, "the scene does not end")
                 if time.monotonic() < next_kill:
                     continue
@@ -100,6 +106,7 @@ class Storms(Case):
             stop.set()
             os.close(reading)
         got = manager.hash()
+        self.assertTrue(trace_ended, "nobody reads the trace, and nobody was told")
         seen |= set(descendants(manager.pid))
         manager.must("unlisten ear")
         flooder.join(20)

@@ -156,6 +156,9 @@ class Fifo(Case):
         self.assertGreater(heard, 10)
         self.assertGreater(refused, 0)
         manager.must("set probe.visible false")
+        # the sanitizer itself opens a pipe to look at memory, and takes a refusal for bad memory
+        if sailor.SANITIZED:
+            return
         reply = manager.ask("start wave")
         if not reply.ok:
             self.assertIn(reply.kind, ("limit", "io", "gone"), repr(reply))

@@ -140,16 +140,16 @@ class SlowStorm(Storms):
         total = 0
         for seed, pace in ((1, "1"), (2, "0.5"), (3, "0.25"), (4, "0.1")):
             with self.subTest(seed=seed):
-                got, kills = self.storm(reach(), pace, seed, 0.9)
+                got, kills = self.storm(reach(), pace, seed, 3.0)
                 self.assertEqual(got, expected)
                 total += kills
-        self.assertGreater(total, 40)
+        self.assertGreater(total, 15)
 
     def test_small_programs_for_a_minute(self):
         expected = self.end_of(WALK)
-        got, kills = self.storm(WALK, "0.08", 5, 0.9)
+        got, kills = self.storm(WALK, "0.08", 5, 3.0)
         self.assertEqual(got, expected)
-        self.assertGreater(kills, 40)
+        self.assertGreater(kills, 12)
 
 
 if __name__ == "__main__":

@@ -2,6 +2,7 @@
 
 #include <bit>
 #include <cmath>
+#include <cstdlib>
 #include <random>
 
 #include <gtest/gtest.h>
@@ -349,6 +350,28 @@ TEST(Text, ThatFitsNoLineIsRefused) {
   EXPECT_EQ(world.say("create t c text " + std::string(40'000, '\\')).substr(0, 5), "limit");
   EXPECT_EQ(world.database.find("c"), nullptr);
   EXPECT_EQ(world.get("a.text").size(), longest.size());
+}
+
+// short decimals are read without a library call: bit for bit what the library reads
+TEST(Value, OfAShortDecimalIsTheNearestDouble) {
+  World world;
+  ASSERT_EQ(world.read(schema), "");
+  std::mt19937_64 random(3);
+  LineWords words;
+  Value value;
+  const Field& field = world.database.schema().find("t")->field(world.database.schema().find("t")->find("real"));
+  for (int i = 0; i < 200'000; ++i) {
+    std::string text = random() % 2 == 0 ? "-" : "";
+    const std::uint64_t digits = 1 + random() % 17, point = random() % 20;
+    for (std::uint64_t k = 0; k < digits; ++k) {
+      if (k == point && k > 0) text += '.';
+      text += static_cast<char>('0' + random() % 10);
+    }
+    ASSERT_TRUE(words.split(text).ok());
+    ASSERT_TRUE(parse_value_into(field, words.words(), world.database, value).ok()) << text;
+    const double expected = std::strtod(text.c_str(), nullptr);
+    ASSERT_EQ(std::bit_cast<std::uint64_t>(std::get<double>(value)), std::bit_cast<std::uint64_t>(expected)) << text;
+  }
 }
 
 }  // namespace

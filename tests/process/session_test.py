@@ -73,6 +73,15 @@ class Session(Case):
         manager.must("rollback")
         self.assert_recovered(manager, before)
 
+    def test_a_group_of_any_length_is_taken_back_whole(self):
+        # more changes than the commands of a tick are kept for
+        manager = self.world()
+        before = manager.hash()
+        manager.must("begin")
+        manager.send(b"".join(b"set ball.position %d 0 0\n" % n for n in range(70_000)))
+        manager.must("rollback")
+        self.assert_recovered(manager, before)
+
     def test_undo_and_redo_meet_the_same_worlds(self):
         manager = self.world()
         hashes = [manager.hash()]

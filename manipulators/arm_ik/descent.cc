@@ -76,8 +76,10 @@ ARM_IK_INLINE DescentResult descend_body(const Packed& chain, const Goal& goal, 
       store<4>(box.high + i, load<4>(upper + i) - load<4>(state->q + i));
     }
     double next_cost = cost;
+    Residual pull = e;
+    if (pose && options.far) pull.w *= __builtin_sqrt(std::max(0.0, 1 - 0.25 * e.rotation2));
     for (int attempt = 0; attempt < 6; ++attempt) {
-      kernel::bounded_step<pose, false>(chain, system, e, box, share * cost + 1e-15 * length2, held, dq);
+      kernel::bounded_step<pose, false>(chain, system, pull, box, share * cost + 1e-15 * length2, held, dq);
       for (int block = 0; block < chain.blocks; ++block) {
         const Real4 next = load<4>(state->q + 4 * block) + load<4>(dq + 4 * block);
         const Real4 low = load<4>(lower + 4 * block), high = load<4>(upper + 4 * block);

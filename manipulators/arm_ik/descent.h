@@ -26,6 +26,9 @@ struct DescentOptions {
   double patience = 1;       ///< gives up when two steps in a row leave more than this share of the squared error
   double standstill = 1e-9;  ///< a step that lowers the squared error by a smaller share is the last
   double damping = 0.05;     ///< first damping, as a share of the squared error
+  /// The goal is out of reach: steps follow the true slope of the squared error. A turn's chord pulls harder than that
+  /// by 1 / cos(angle / 2), which is quicker on the way to a goal and wrong where the error stays.
+  bool far = false;
   /// Bounds of q (#joints, padded to fours) inside the chain's limits; null: the limits.
   const double* lower = nullptr;
   const double* upper = nullptr;

@@ -38,6 +38,7 @@ OuterSeeds::OuterSeeds(const Packed& chain) : n_(chain.n), length2_(static_cast<
   Random random(seed);
   DescentOptions how;
   how.standstill = 1e-3;
+  how.far = true;
   how.position_tolerance = how.rotation_tolerance = 0;
   const Eigen::Vector3d base(chain.base[12], chain.base[13], chain.base[14]);
   double q[Packed::capacity], best[Packed::capacity], frame[16];

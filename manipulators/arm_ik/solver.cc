@@ -140,6 +140,7 @@ Solution Solver::reach(const Goal& goal, const SolveOptions& options, std::span<
     outer_->nearest(goal, outer_starts, index);
     how.patience = 1;
     how.standstill = outer_standstill;
+    how.far = true;
     for (int k = 0; k < outer_starts && out.iterations < budget; ++k) {
       outer_->posture(index[k], trial);
       // cannot arrive, but for a tolerance that spans the gap

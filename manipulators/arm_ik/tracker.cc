@@ -151,6 +151,7 @@ Solution Tracker::follow(const Goal& goal, const TrackOptions& options, std::spa
   nearest.rotation_tolerance = options.rotation_tolerance;
   nearest.iterations = nearest_steps;
   nearest.damping = nearest_damping;
+  nearest.far = true;
   nearest.lower = tick.low;
   nearest.upper = tick.high;
   const DescentResult found = descend(chain_, goal, nearest, q.data(), options.isa);

@@ -32,20 +32,16 @@ Error limit_error(const char* what, int code) {
   return {ErrorKind::limit, std::string("shared memory ") + what + ": " + std::strerror(code), 0};
 }
 
-// copies, and tells whether all are finite: a number times 0 is 0, unless it is not
-bool copy_finite(double* to, const double* from, std::size_t count) {
-  double sum[4] = {};
+// a number times 0 is 0, unless it is not finite
+bool all_finite(const std::vector<double>& numbers) {
+  double sum[8] = {};
   std::size_t i = 0;
-  for (; i + 4 <= count; i += 4)
-    for (std::size_t lane = 0; lane < 4; ++lane) {
-      to[i + lane] = from[i + lane];
-      sum[lane] += to[i + lane] * 0;
-    }
-  for (; i < count; ++i) {
-    to[i] = from[i];
-    sum[0] += to[i] * 0;
-  }
-  return sum[0] + sum[1] + sum[2] + sum[3] == 0;
+  for (; i + 8 <= numbers.size(); i += 8)
+    for (std::size_t lane = 0; lane < 8; ++lane) sum[lane] += numbers[i + lane] * 0;
+  for (; i < numbers.size(); ++i) sum[0] += numbers[i] * 0;
+  double total = 0;
+  for (const double each : sum) total += each;
+  return total == 0;
 }
 
 }  // namespace
@@ -95,12 +91,12 @@ Result<std::vector<double>> ArrayMemory::read(std::uint64_t sequence) const {
                  "slot " + std::to_string(slot) + " holds " + std::to_string(count) + " numbers, expected at most " +
                      std::to_string(capacity_),
                  1};
-  std::vector<double> out(count);
-  const bool finite =
-      copy_finite(out.data(), reinterpret_cast<const double*>(bytes_ + page + slot * stride_of(capacity_)), out.size());
+  const auto* from = reinterpret_cast<const double*>(bytes_ + page + slot * stride_of(capacity_));
+  std::vector<double> out(from, from + count);
   std::atomic_thread_fence(std::memory_order_acquire);
   if (const std::uint64_t found = filled.load(std::memory_order_relaxed); found != sequence) return stale(found);
-  if (!finite) return Error{ErrorKind::range, "slot " + std::to_string(slot) + " holds a number that is not finite", 1};
+  if (!all_finite(out))
+    return Error{ErrorKind::range, "slot " + std::to_string(slot) + " holds a number that is not finite", 1};
   return out;
 }
 

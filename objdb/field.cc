@@ -431,6 +431,12 @@ Status check_value(const Field& field, const Value& value) {
     return {};
   };
   const auto check_all = [&](const auto& numbers) -> Status {
+    // one quick look at all of them: only what is wrong needs a sentence
+    constexpr double most = std::numeric_limits<double>::max();
+    const double low = field.ranged ? field.low : -most, high = field.ranged ? field.high : most;
+    bool good = true;
+    for (const double x : numbers) good = good & (x >= low) & (x <= high);
+    if (good) return {};
     for (const auto x : numbers)
       if (Status status = check(static_cast<double>(x)); !status) return status;
     return {};

@@ -46,7 +46,7 @@ Outcome run(Call& call) {
     return call.error(0, fits.error().kind, fits.error().sentence);
   Value value = std::move(filled->numbers);
   // that they are finite was seen when they were copied
-  if (field.ranged)
+  if (field.ranged || field.kind == Kind::quat)
     if (Status good = check_value(field, value); !good) return call.error(0, good.error().kind, good.error().sentence);
   if (manager.journal() != nullptr && !manager.replaying()) {
     Result<std::string> kept = manager.journal()->add_array(std::get<std::vector<double>>(value));

@@ -1,5 +1,6 @@
 #include "manipulators/kit/manipulator.h"
 
+#include <malloc.h>
 #include <unistd.h>
 
 #include <cassert>
@@ -32,6 +33,9 @@ bool arrays_wanted() {
 
 Manipulator::Manipulator(std::string name, std::string_view declarations) : name_(std::move(name)) {
   hello_.name = name_;
+  // a long array that comes every tick takes memory that is there already
+  ::mallopt(M_MMAP_THRESHOLD, 64 << 20);
+  ::mallopt(M_TRIM_THRESHOLD, 128 << 20);
   LineWords line;
   while (!declarations.empty()) {
     const std::size_t end = declarations.find('\n');

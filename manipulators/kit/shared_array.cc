@@ -69,8 +69,8 @@ bool SharedArray::read(std::uint64_t sequence, std::vector<double>& numbers) con
   SlotHeader* header = header_of(bytes_, slot);
   const std::atomic_ref<std::uint64_t> filled(header->sequence);
   if (filled.load(std::memory_order_acquire) != sequence || header->count > capacity_) return false;
-  numbers.resize(header->count);
-  std::memcpy(numbers.data(), bytes_ + page + slot * stride_of(capacity_), numbers.size() * sizeof(double));
+  const auto* from = reinterpret_cast<const double*>(bytes_ + page + slot * stride_of(capacity_));
+  numbers.assign(from, from + header->count);
   std::atomic_thread_fence(std::memory_order_acquire);
   return filled.load(std::memory_order_relaxed) == sequence;
 }

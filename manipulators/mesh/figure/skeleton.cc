@@ -399,7 +399,18 @@ void add_segments(Skeleton& skeleton, const Landmarks& marks) {
   }
   const Vector3d skull = X.at("head").translation();
   make.add("head", "head", skull + Vector3d(0, 0.03, 0.01) * H, skull + Vector3d(0, 0.08, 0.01) * H, 0.085 * H);
-  make.add("jaw", "head", skull + Vector3d(0, -0.02, 0.03) * H, skull + Vector3d(0, -0.05, 0.085) * H, 0.05 * H);
+  // the inside of the mouth stands between a single axis and most of the skin around it, which would then follow the
+  // chest; so the flesh on every side of the mouth has an axis of its own, and all go with the skull
+  const auto flesh = [&](const char* name, const Vector3d& from, const Vector3d& to) {
+    make.add(name, "head", skull + from * H, skull + to * H, 0.05 * H);
+  };
+  flesh("jaw", {0, -0.06, 0.05}, {0, -0.065, 0.095});
+  flesh("right_jaw", {-0.045, -0.045, 0.03}, {-0.012, -0.06, 0.10});
+  flesh("left_jaw", {0.045, -0.045, 0.03}, {0.012, -0.06, 0.10});
+  flesh("front_jaw", {-0.012, -0.05, 0.105}, {0.012, -0.05, 0.105});
+  flesh("right_upper_jaw", {-0.045, -0.022, 0.06}, {-0.01, -0.024, 0.115});
+  flesh("left_upper_jaw", {0.045, -0.022, 0.06}, {0.01, -0.024, 0.115});
+  flesh("front_upper_jaw", {-0.012, -0.02, 0.113}, {0.012, -0.02, 0.113});
 
   for (const Side& side : {Side{"right", false}, Side{"left", true}}) {
     const auto name = [&](const char* part) { return side.name + "_" + part; };

@@ -119,7 +119,9 @@ void opening(Clothing& piece) {
 void face(Tailor& tailor) {
   // above the ears, and behind them down to the nape
   const auto scalp = [&](const std::string& name) -> Clothing& {
-    Clothing& piece = tailor.add(name, 1, hair, {"head", "jaw", "neck_c1_2", "neck_c2_3", "neck_c3_4"});
+    Clothing& piece = tailor.add(name, 1, hair,
+                                 {"head", "jaw", "right_jaw", "left_jaw", "front_jaw", "right_upper_jaw",
+                                  "left_upper_jaw", "front_upper_jaw", "neck_c1_2", "neck_c2_3", "neck_c3_4"});
     slab(piece, Vector3d::UnitX(), -0.0722, 0.0722);
     piece.thickness = 0.0035;
     piece.smoothing = 8;

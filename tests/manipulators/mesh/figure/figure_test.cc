@@ -326,6 +326,18 @@ TEST(Skin, FollowsTheRightBones) {
   EXPECT_EQ(strongest({0, m.stature, 0.04}), "head");
   EXPECT_EQ(strongest(0.5 * (m.knee + m.ankle)), "left_shin");
   EXPECT_EQ(strongest({0, 1.06, 0.15}), "lumbar_upper");
+  // lips, chin and nose go with the skull
+  for (const Vector3d& place : {Vector3d(0, 1.460, 0.142), Vector3d(0, 1.481, 0.150), Vector3d(0.023, 1.488, 0.140),
+                                Vector3d(0, 1.518, 0.160)}) {
+    Eigen::Index nearest = 0;
+    (skin->surface.V.rowwise() - place.transpose().cast<float>()).rowwise().squaredNorm().minCoeff(&nearest);
+    double others = 0;
+    for (int i = 0; i < mesh::Skin::influences; ++i) {
+      const std::string& name = skin->bones[skin->index(nearest, i)].name;
+      if (name != "head" && !name.ends_with("jaw")) others += skin->weight(nearest, i);
+    }
+    EXPECT_LT(others, 0.05) << place.transpose();
+  }
   // nothing of the arm in the waist, nothing of one leg in the other
   for (Eigen::Index v = 0; v < skin->surface.V.rows(); ++v) {
     const Vector3d p = skin->surface.V.row(v).transpose().cast<double>();

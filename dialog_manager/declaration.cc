@@ -17,7 +17,7 @@ Error error_at(const Word& word, ErrorKind kind, std::string sentence) {
 Result<double> positive(Words words, std::string_view unit, double below) {
   if (words.size() != 2)
     return error_at(words.back(), ErrorKind::syntax, "expected " + std::string(words[0].text) + " and one number");
-  const Result<double> value = parse_real(words[1].text, parse_unit(unit)->dimension);
+  Result<double> value = parse_real(words[1].text, parse_unit(unit)->dimension);
   if (value && !(*value > 0 && *value < below))
     return error_at(words[1], ErrorKind::range,
                     std::string(words[0].text) + " is " + std::string(words[1].text) + ", expected more than 0" +

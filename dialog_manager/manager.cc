@@ -241,6 +241,7 @@ const Command* Manager::abbreviated(std::string_view verb) const {
   for (const Command* command : commands())
     if (command->name.starts_with(verb) && (found == nullptr || command->name.size() < found->name.size()))
       found = command;
+  if (found == nullptr) return nullptr;
   for (const Command* command : commands())
     if (command->name.starts_with(verb) && !command->name.starts_with(found->name)) return nullptr;
   return found;
@@ -464,7 +465,7 @@ Status Manager::begin_journal(const std::string& path, Journal::Sync sync) {
   }
   for (const auto& manipulator : manipulators_)
     if (manipulator->state() == Manipulator::State::active) journal(*main_, "", manipulator->command);
-  const Status kept = journal_->flush(true);
+  Status kept = journal_->flush(true);
   if (!kept) journal_ = std::move(before);
   return kept;
 }

@@ -15,7 +15,7 @@ Result<std::uint64_t> count_word(const Call& call, std::size_t index, std::uint6
 }
 
 Result<double> real_word(const Call& call, std::size_t index, std::string_view unit) {
-  const Result<double> value = parse_real(call.words[index].text, parse_unit(unit)->dimension);
+  Result<double> value = parse_real(call.words[index].text, parse_unit(unit)->dimension);
   if (!value) return call.error(static_cast<int>(index), value.error().kind, value.error().sentence);
   return value;
 }

@@ -60,7 +60,7 @@ class Replay : public Operation {
       if (at_ == text_.records.size()) return end(manager, {});
       const Record& record = text_.records[at_++];
       if (Status status = carry_out(manager, record); !status) {
-        const Error error = status.error();
+        const Error& error = status.error();
         return end(manager, Error{error.kind,
                                   "tick " + std::to_string(record.tick) + ", " + std::string(record.source) + ": " +
                                       std::string(record.line.substr(0, 200)) + ": " + error.sentence,

@@ -185,6 +185,8 @@ void Session::close_input(Manager& manager) {
   if (closed.answers) answer_source(closed);
 }
 
+// a copy of the scope: the line may read a script, and the stack that the scope stands in moves
+// NOLINTNEXTLINE(performance-unnecessary-value-param)
 void Session::run_line(Manager& manager, const Line& line, std::string where, objdb::Scope scope) {
   body_.clear();
   tag_.clear();

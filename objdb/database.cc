@@ -245,7 +245,7 @@ void Database::count_references(const Field&, const Value& value, int step) {
   });
 }
 
-Status Database::erase(std::vector<ObjectId> ids, bool force) {
+Status Database::erase(const std::vector<ObjectId>& ids, bool force) {
   // everything below goes too
   tsl::robin_set<ObjectId> doomed;
   std::vector<ObjectId> all;

@@ -74,7 +74,7 @@ class Database : public Names {
   /// Deletes these objects and everything below them. Refused (busy) while others refer to them, unless `force`,
   /// which empties those references (and the parents of nodes that would else be carried by themselves). Cost in
   /// proportion to what goes; in proportion to the world when others refer to it.
-  Status erase(std::vector<ObjectId> ids, bool force);
+  Status erase(const std::vector<ObjectId>& ids, bool force);
   void set_owner(const Object& object, int field, std::uint16_t owner);
 
   // -- history: what happened, to be taken back

@@ -394,7 +394,7 @@ Status delete_statement(Database& database, Words words, const Scope& scope) {
   if (!objects) return objects.error();
   std::vector<ObjectId> ids;
   for (const Object* object : *objects) ids.push_back(object->id);
-  if (Status status = database.erase(std::move(ids), force); !status)
+  if (Status status = database.erase(ids, force); !status)
     return error_at(words[0].column, status.error().kind, status.error().sentence);
   return {};
 }

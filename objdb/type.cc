@@ -204,7 +204,7 @@ class FieldParser {
 
   // a bare number of a declaration is in the unit that the declaration names; everywhere else it is SI
   Result<double> declared_number(const Word& word, int element) {
-    const Result<double> value = parse_real(word.text, field_.dimension(element));
+    Result<double> value = parse_real(word.text, field_.dimension(element));
     if (!value) return error_at(word, value.error().kind, value.error().sentence);
     const bool bare = parse_real(word.text, Dimension{}).ok() && !word.text.ends_with('%');
     if (!bare || units_.empty()) return value;

@@ -1,7 +1,7 @@
 #include "objdb/unit.h"
 
-#include <locale.h>
 #include <charconv>
+#include <clocale>
 #include <cmath>
 #include <cstdlib>
 #include <numbers>

@@ -60,6 +60,7 @@ void become(char* const* argv, const Pipe& input, const Pipe& output, const Pipe
 
 objdb::Result<Process> spawn(const std::vector<std::string>& argv) {
   std::vector<char*> pointers;
+  pointers.reserve(argv.size() + 1);
   for (const std::string& each : argv) pointers.push_back(const_cast<char*>(each.c_str()));
   pointers.push_back(nullptr);
 

@@ -49,6 +49,7 @@ ARM_IK_INLINE void forward(const Packed& chain, State& state) {
   for (int i = 0; i < chain.n; ++i) {
     state.axis[i] = z;
     state.origin[i] = p;
+    // cppcheck-suppress uninitvar ; filled block by block above
     const double s = sine[i], c = cosine[i];
     const Real4 x1 = c * x + s * y;
     const Real4 y1 = c * y - s * x;

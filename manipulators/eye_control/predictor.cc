@@ -103,6 +103,7 @@ void Predictor::look_ahead() {
   expected_[1] = x[3 + skill_boxes - 1];
 
   // a box mean is the centre value plus curvature / 24: take that off again
+  // cppcheck-suppress containerOutOfBounds ; x has future_size + 2 elements
   for (int k = 0; k < future_size; ++k) future_[k] = x[k + 1] - (x[k] - 2 * x[k + 1] + x[k + 2]) / 24;
 }
 

@@ -35,6 +35,7 @@ class Dart : public RestartingPeer {
       last = skeleton_->createJointAndBodyNodePair<dart::dynamics::RevoluteJoint>(last, joint, body).second;
       X = link(i);
     }
+    // cppcheck-suppress nullPointer ; a chain has at least one joint
     tool_ = last->createEndEffector("tool");
     tool_->setDefaultRelativeTransform(isometry(X * chain.tool), true);
     ik_ = tool_->getIK(true);

@@ -53,6 +53,7 @@ std::array<Isometry3d, Arm::joints + 1> Arm::frames(const std::array<double, joi
     result[i] = X;
     X = X * rows[i].transform(q[i]);
   }
+  // cppcheck-suppress containerOutOfBounds ; it has joints + 1 elements
   result[joints] = X * tool;
   return result;
 }

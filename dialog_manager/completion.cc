@@ -28,7 +28,7 @@ class Candidates {
 
 void offer_verbs(Candidates& out, const Manager& manager) {
   for (const Command* command : commands()) out.offer(std::string(command->name));
-  for (const auto& manipulator : manager.manipulators())
+  for (const auto& manipulator : manager.programs.all())
     for (const Manipulator::Verb& verb : manipulator->verbs()) out.offer(verb.name);
 }
 
@@ -70,7 +70,7 @@ std::vector<std::string> complete(const Manager& manager, const std::string& lin
     for (const auto& type : world.schema().types()) out.offer(type->name());
   if ((verb == "help" || verb == "describe") && before.size() == 1) offer_verbs(out, manager);
   if (verb == "end" && before.size() == 1)
-    for (const auto& manipulator : manager.manipulators()) out.offer(manipulator->name);
+    for (const auto& manipulator : manager.programs.all()) out.offer(manipulator->name);
   if (verb == "create" && before.size() >= 3) {
     if (const Type* type = world.schema().find(before[1].text)) {
       const int last = type->find(before.back().text);

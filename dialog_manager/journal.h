@@ -99,5 +99,7 @@ objdb::Result<JournalText> read_journal(const std::string& path);
 inline constexpr std::string_view tick_source = "tick";
 /// The source of the records around what a program wrote down of its state: "NAME" before, "NAME done" after.
 inline constexpr std::string_view checkpoint_source = "checkpoint";
+/// The source of the record of a `rewind`: the time. What came after that time before it did not happen.
+inline constexpr std::string_view rewind_source = "rewind";
 
 }  // namespace manager

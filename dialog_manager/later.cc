@@ -28,7 +28,7 @@ Result<Schedule::Entry> command_for_later(const Call& call, std::size_t index) {
       return call.error(static_cast<int>(index), ErrorKind::busy,
                         quote(verb) + " makes time pass and cannot be said later");
   }
-  for (const auto& manipulator : call.manager.manipulators())
+  for (const auto& manipulator : call.manager.programs.all())
     for (const Manipulator::Verb& each : manipulator->verbs()) known = known || each.name == verb;
   if (!known) return call.error(static_cast<int>(index), ErrorKind::unknown, "no verb " + quote(verb));
   return entry;

@@ -43,7 +43,7 @@ class LiveReplay : public Operation {
  public:
   explicit LiveReplay(JournalText text) : text_(std::move(text)) {}
   ~LiveReplay() override {
-    if (manager_ != nullptr) manager_->follow_journal(false);
+    if (manager_ != nullptr) manager_->playback.follow(false);
   }
 
   std::optional<Status> poll(Manager& manager, std::string& out) override {
@@ -75,7 +75,7 @@ class LiveReplay : public Operation {
  private:
   void begin(Manager& manager) {
     manager_ = &manager;
-    manager.follow_journal(true);
+    manager.playback.follow(true);
     manager.seed(text_.start.seed);
     manager.clock.set_rate(text_.start.rate);
     manager.clock.set(text_.start.tick, text_.start.time);
@@ -105,13 +105,13 @@ class LiveReplay : public Operation {
     if (record.source == checkpoint_source) {
       // its state is written down where it was: who starts later under its types begins with that
       writing_down_ = record.line.find(' ') == std::string::npos;
-      if (Manipulator* manipulator = manager.find_manipulator(record.line); writing_down_ && manipulator != nullptr)
+      if (Manipulator* manipulator = manager.programs.find(record.line); writing_down_ && manipulator != nullptr)
         manipulator->want_checkpoint();
       return {};
     }
     if (record.source == ask_source) return ask(manager, record);
     // what programs said in ticks, on commands, and of their state, they say again
-    const bool program = manager.find_manipulator(record.source) != nullptr;
+    const bool program = manager.programs.find(record.source) != nullptr;
     if (program && (record.tick > manager.clock.tick() || writing_down_ || asked_.contains(record.source))) return {};
     Outcome outcome = say_again(manager, record, text_.path, true);
     inner_ = std::move(outcome.operation);
@@ -124,10 +124,10 @@ class LiveReplay : public Operation {
     const std::size_t name = line.find(' '), number = line.find(' ', name + 1);
     if (name == std::string_view::npos || number == std::string_view::npos)
       return Error{ErrorKind::io, "no command", 0};
-    Manipulator* manipulator = manager.find_manipulator(line.substr(0, name));
+    Manipulator* manipulator = manager.programs.find(line.substr(0, name));
     if (manipulator == nullptr) return Error{ErrorKind::gone, std::string(line.substr(0, name)) + " is gone", 0};
     asked_.insert(manipulator->name);
-    inner_ = manager.ask(*manipulator, line.substr(number + 1));
+    inner_ = manager.dispatch.ask(*manipulator, line.substr(number + 1));
     return {};
   }
 
@@ -135,7 +135,7 @@ class LiveReplay : public Operation {
   Error difference(Manager& manager, std::uint64_t tick) {
     const Picture live(manager.world);
     manager.world.roll_back(mark_);
-    manager.replaying(true);
+    manager.playback.replaying(true);
     for (std::size_t i = first_; i + 1 < at_; ++i) {
       const Record& record = text_.records[i];
       const std::string_view verb = std::string_view(record.line).substr(0, record.line.find(' '));
@@ -143,7 +143,7 @@ class LiveReplay : public Operation {
         continue;
       (void)say_again(manager, record, text_.path, false);
     }
-    manager.replaying(false);
+    manager.playback.replaying(false);
     const Picture told(manager.world);
     return {ErrorKind::range, "tick " + std::to_string(tick) + ": " + compare(manager.world, live, told), 0};
   }

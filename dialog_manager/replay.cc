@@ -11,7 +11,6 @@ namespace {
 
 using namespace objdb;
 
-constexpr std::string_view rewind_source = "rewind";
 constexpr int records_at_a_time = 20'000;
 
 // figures of a machine are not figures of this one
@@ -39,7 +38,7 @@ Status restore_array(Manager& manager, const Source& source, Words words, std::s
     if (Status allowed = source.gate->may_write(**object, *field); !allowed) return allowed;
   Result<std::vector<double>> numbers = ArrayFile::read(ArrayFile::path_of(journal), words.subspan(2));
   if (!numbers) return numbers.error();
-  manager.speak_as(source, line);
+  manager.dispatch.speak_as(source, line);
   return manager.world.set(**object, *field, std::move(*numbers));
 }
 
@@ -80,18 +79,18 @@ class Replay : public Operation {
  private:
   void begin(Manager& manager) {
     begun_ = true;
-    manager.replaying(true);
+    manager.playback.replaying(true);
     manager.clock.set_rate(text_.start.rate);
     manager.clock.set(text_.start.tick, text_.start.time);
   }
 
   std::optional<Status> end(Manager& manager, Status status) {
-    manager.end_replay(live_);
+    manager.playback.end(live_);
     return status;
   }
 
   Status carry_out(Manager& manager, const Record& record) {
-    manager.replaying_tick(record.tick > manager.clock.tick() || record.source == tick_source);
+    manager.playback.inside_tick(record.tick > manager.clock.tick() || record.source == tick_source);
     if (record.source == tick_source) return close_tick(manager, record);
     if (record.source == ask_source) return ask(manager, record);
     if (record.source == checkpoint_source) return checkpoint(manager, record);
@@ -107,7 +106,7 @@ class Replay : public Operation {
 
   // lines of a tick come in the order of stages: who stands in a stage is told before what that stage said counts
   void tell_before(Manager& manager, const Record& record) {
-    Manipulator* speaker = manager.find_manipulator(record.source);
+    Manipulator* speaker = manager.programs.find(record.source);
     if (record.tick > manager.clock.tick()) {
       if (speaker != nullptr) tell_stages(manager, speaker->stage);
     } else if (speaker != nullptr && speaker->state() == Manipulator::State::active) {
@@ -118,7 +117,7 @@ class Replay : public Operation {
   void tell_stages(Manager& manager, int last) {
     const std::uint64_t tick = manager.clock.tick() + 1;
     for (; told_stages_ <= last; ++told_stages_)
-      for (const auto& manipulator : manager.manipulators())
+      for (const auto& manipulator : manager.programs.all())
         if (manipulator->stage == told_stages_ && manipulator->due(tick, manager.clock.rate()))
           manipulator->send_tick(tick, manager.clock.time_of(tick), manager.clock.step());
   }
@@ -126,9 +125,9 @@ class Replay : public Operation {
   Status close_tick(Manager& manager, const Record& record) {
     const std::optional<TickLine> line = parse_tick(record);
     if (!line) return Error{ErrorKind::io, "no tick", 0};
-    if (live_) tell_stages(manager, manager.stages() - 1);
+    if (live_) tell_stages(manager, manager.programs.stages() - 1);
     told_stages_ = 0;
-    manager.replay_tick();
+    manager.playback.tick();
     if (manager.clock.tick() != line->tick)
       return Error{
           ErrorKind::range,
@@ -148,7 +147,7 @@ class Replay : public Operation {
     const std::size_t name = line.find(' '), number = line.find(' ', name + 1);
     if (name == std::string_view::npos || number == std::string_view::npos)
       return Error{ErrorKind::io, "no command", 0};
-    if (Manipulator* manipulator = manager.find_manipulator(line.substr(0, name))) {
+    if (Manipulator* manipulator = manager.programs.find(line.substr(0, name))) {
       std::uint64_t value = 0;
       std::from_chars(line.data() + name + 1, line.data() + number, value);
       manipulator->asked_before(value, line.substr(number + 1));
@@ -159,7 +158,7 @@ class Replay : public Operation {
   Status checkpoint(Manager& manager, const Record& record) {
     if (!live_) return {};
     const std::string_view name = std::string_view(record.line).substr(0, record.line.find(' '));
-    if (Manipulator* manipulator = manager.find_manipulator(name))
+    if (Manipulator* manipulator = manager.programs.find(name))
       manipulator->checkpoint_before(name.size() < record.line.size());
     return {};
   }
@@ -202,10 +201,12 @@ Outcome say_again(Manager& manager, const Record& record, const LineWords& words
   source.name = record.source;
   source.id = manager.add_source(source.name);
   // so that it owns what it wrote
-  if (owning && (verb == "set" || verb == "put")) source.gate = manager.find_manipulator(record.source);
+  if (owning && (verb == "set" || verb == "put"))
+    if (const Manipulator* speaker = manager.programs.find(record.source)) source.gate = speaker->gate;
   if (verb == "put") return restore_array(manager, source, words.words(), record.line, journal);
   std::string body;
-  return manager.execute(source, manager.main_session(), words, record.line, Scope{std::string(record.prefix)}, body);
+  return manager.dispatch.execute(source, manager.main_session(), words, record.line, Scope{std::string(record.prefix)},
+                                  body);
 }
 
 bool is_journaled(const Command& command) {

@@ -58,7 +58,7 @@ bool Session::step(Manager& manager, int budget) {
       did = true;
       continue;
     }
-    if (manager.busy_for(*this)) return did;
+    if (manager.history.busy_for(*this)) return did;
     // who does not read his answers is not listened to
     if (behind()) {
       manager.acknowledge();
@@ -176,7 +176,7 @@ void Session::close_input(Manager& manager) {
   stack_.pop_back();
   if (closed.live) manager.stream_ended(*this);
   if (closed.fifo) {
-    objdb::Result<Input> next = manager.fifo_input(closed.name);
+    objdb::Result<Input> next = manager.speakers.fifo_input(closed.name);
     if (next)
       enqueue(std::move(*next));
     else
@@ -205,7 +205,7 @@ void Session::run_line(Manager& manager, const Line& line, std::string where, ob
                        "the line is longer than " + std::to_string(longest_line_) + " bytes and was skipped", 1});
     return;
   }
-  Outcome outcome = manager.execute(*this, this, words_, line.text, scope, body_);
+  Outcome outcome = manager.dispatch.execute(*this, this, words_, line.text, scope, body_);
   if (outcome.operation) {
     operation_ = std::move(outcome.operation);
     kept_line_ = outcome.kept ? line.text : std::string_view();
@@ -232,7 +232,7 @@ void Session::enqueue_command(std::string text, std::string where, const objdb::
 
 void Session::end_operation(Manager& manager, const Status& status) {
   operation_.reset();
-  if (status && !kept_line_.empty()) manager.journal(*this, kept_prefix_, kept_line_);
+  if (status && !kept_line_.empty()) manager.recorder.add(*this, kept_prefix_, kept_line_);
   kept_line_.clear();
   finish_reply(manager, status);
 }

@@ -11,7 +11,7 @@ Outcome run(Call& call) {
   if (call.session->input() != nullptr && call.session->input()->fifo)
     return call.error(-1, ErrorKind::busy,
                       "the lines of several writers mix on a FIFO: none of them can open a transaction");
-  if (Status status = call.manager.begin(*call.session); !status)
+  if (Status status = call.manager.history.begin(*call.session); !status)
     return call.error(-1, status.error().kind, status.error().sentence);
   return {};
 }

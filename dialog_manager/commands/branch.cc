@@ -8,7 +8,7 @@ namespace {
 using namespace objdb;
 
 Outcome run(Call& call) {
-  Journal* journal = call.manager.journal();
+  Journal* journal = call.manager.recorder.journal();
   if (journal == nullptr) return call.error(-1, ErrorKind::io, "branch needs a journal, expected journal FILE before");
   if (Status kept = journal->flush(true); !kept) return kept.error();
   const Result<JournalText> text = read_journal(journal->path());

@@ -7,7 +7,7 @@ namespace {
 using namespace objdb;
 
 Outcome run(Call& call) {
-  using Of = Manager::Budget::Of;
+  using Of = Budget::Of;
   if (call.words.empty()) {
     call.out += call.manager.budget().line().substr(7) + "\n";
     return {};

@@ -16,7 +16,7 @@ Outcome run(Call& call) {
     return {};
   }
   if (call.words.size() == 1 && call.words[0].text == "now") {
-    for (const auto& each : manager.manipulators()) each->want_checkpoint();
+    for (const auto& each : manager.programs.all()) each->want_checkpoint();
     return {};
   }
   if (call.words.size() == 1 && call.words[0].text == "off") {

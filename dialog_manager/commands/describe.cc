@@ -26,7 +26,7 @@ Outcome run(Call& call) {
                 "\n    " + std::string(command->doc) + "\n";
     return {};
   }
-  for (const auto& manipulator : manager.manipulators())
+  for (const auto& manipulator : manager.programs.all())
     for (const Manipulator::Verb& verb : manipulator->verbs())
       if (verb.name == word.text) {
         call.out += verb.name + (verb.syntax.empty() ? "" : " ") + verb.syntax + "\n    " + verb.doc + " (" +

@@ -12,7 +12,7 @@ class Ending : public Operation {
  public:
   explicit Ending(std::string program) : program_(std::move(program)), asked_(channel::Clock::now()) {}
   std::optional<Status> poll(Manager& manager, std::string&) override {
-    Manipulator* manipulator = manager.find_manipulator(program_);
+    Manipulator* manipulator = manager.programs.find(program_);
     if (manipulator == nullptr) return Status();
     const auto waited = channel::Clock::now() - asked_;
     if (manipulator->alive() && waited < std::chrono::seconds(4)) {
@@ -22,7 +22,7 @@ class Ending : public Operation {
       }
       return std::nullopt;
     }
-    manager.drop(*manipulator);
+    manager.programs.drop(*manipulator);
     return Status();
   }
   std::optional<channel::Clock::time_point> deadline() const override {
@@ -36,10 +36,10 @@ class Ending : public Operation {
 };
 
 Outcome run(Call& call) {
-  Manipulator* manipulator = call.manager.find_manipulator(call.words[0].text);
+  Manipulator* manipulator = call.manager.programs.find(call.words[0].text);
   if (manipulator == nullptr) {
     std::vector<std::string_view> names;
-    for (const auto& each : call.manager.manipulators()) names.push_back(each->name);
+    for (const auto& each : call.manager.programs.all()) names.push_back(each->name);
     return call.error(0, ErrorKind::unknown,
                       "no manipulator " + quote(call.words[0].text) + did_you_mean(call.words[0].text, names));
   }

@@ -9,7 +9,7 @@ using namespace objdb;
 Outcome run(Call& call) {
   const Result<const Field*> field = call.manager.world.declare_field(call.words);
   if (!field) return field.error();
-  call.manager.schema_changed();
+  call.manager.programs.schema_changed();
   return {};
 }
 

@@ -14,7 +14,7 @@ std::vector<Entry> entries(const Manager& manager) {
   std::vector<Entry> out;
   for (const Command* command : commands())
     out.push_back({std::string(command->name), std::string(command->syntax), std::string(command->doc)});
-  for (const auto& manipulator : manager.manipulators())
+  for (const auto& manipulator : manager.programs.all())
     for (const Manipulator::Verb& verb : manipulator->verbs())
       out.push_back({verb.name, verb.syntax, verb.doc + " (" + manipulator->name + ")"});
   return out;

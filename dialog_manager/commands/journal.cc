@@ -11,13 +11,13 @@ using namespace objdb;
 Outcome run(Call& call) {
   Manager& manager = call.manager;
   if (call.words.empty()) {
-    if (manager.journal() != nullptr) call.out += manager.journal()->path() + "\n";
+    if (manager.recorder.journal() != nullptr) call.out += manager.recorder.journal()->path() + "\n";
     return {};
   }
-  if (manager.in_transaction())
+  if (manager.history.in_transaction())
     return call.error(-1, ErrorKind::busy, "a transaction is open, expected commit or rollback");
   if (call.words.size() == 1 && call.words[0].text == "off" && !call.words[0].quoted) {
-    manager.end_journal();
+    manager.recorder.end();
     return {};
   }
   static constexpr std::string_view policies[] = {"none", "everysec", "tick", "always"};
@@ -29,7 +29,7 @@ Outcome run(Call& call) {
                         shown(call.words[1].text) + " is no policy, expected none, everysec, tick or always");
     sync = static_cast<Journal::Sync>(found - std::begin(policies));
   }
-  if (Status status = manager.begin_journal(std::string(call.words[0].text), sync); !status)
+  if (Status status = manager.recorder.begin(std::string(call.words[0].text), sync); !status)
     return call.error(0, status.error().kind, status.error().sentence);
   return {};
 }

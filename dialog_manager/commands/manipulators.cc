@@ -7,7 +7,7 @@ namespace {
 using namespace objdb;
 
 Outcome run(Call& call) {
-  for (const auto& each : call.manager.manipulators()) {
+  for (const auto& each : call.manager.programs.all()) {
     const auto add = [&](std::string_view name, std::string_view value) {
       call.out.append(" ").append(name).append("=").append(value);
     };

@@ -10,7 +10,7 @@ Outcome run(Call& call) {
   if (call.session == nullptr) return call.error(-1, ErrorKind::busy, "a program cannot monitor");
   const std::string_view word = call.words.empty() ? std::string_view("on") : call.words[0].text;
   if (word != "on" && word != "off") return call.error(0, ErrorKind::syntax, "expected monitor on or off");
-  call.manager.monitor_for(word == "on" ? call.session : nullptr);
+  call.manager.dispatch.monitor_for(word == "on" ? call.session : nullptr);
   return {};
 }
 

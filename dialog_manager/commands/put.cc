@@ -21,14 +21,14 @@ Status check_count(const Object& object, const Field& field, std::size_t numbers
 
 Outcome run(Call& call) {
   Manager& manager = call.manager;
-  Manipulator* speaker = call.source.gate == nullptr ? nullptr : manager.find_manipulator(call.source.name);
+  Manipulator* speaker = call.source.gate == nullptr ? nullptr : manager.programs.find(call.source.name);
   if (speaker == nullptr)
     return call.error(-1, ErrorKind::owner, "put is said by programs that were given memory, expected set");
   std::uint64_t slot = 0, sequence = 0;
   std::vector<Word> all{call.verb};
   all.insert(all.end(), call.words.begin(), call.words.end());
   if (Status parsed = parse_put(all, slot, sequence); !parsed) return parsed;
-  Result<Manipulator::Filled> filled = speaker->take_filled(call.words[0].text, sequence);
+  Result<GrantedArrays::Filled> filled = speaker->arrays().take(call.words[0].text, sequence);
   if (!filled) return call.error(0, filled.error().kind, filled.error().sentence);
 
   const Result<Target> target = parse_target(call.words[0]);
@@ -48,8 +48,8 @@ Outcome run(Call& call) {
   // that they are finite was seen when they were copied
   if (field.ranged || field.kind == Kind::quat)
     if (Status good = check_value(field, value); !good) return call.error(0, good.error().kind, good.error().sentence);
-  if (manager.journal() != nullptr && !manager.replaying()) {
-    Result<std::string> kept = manager.journal()->add_array(std::get<std::vector<double>>(value));
+  if (manager.recorder.journal() != nullptr && !manager.playback.replaying()) {
+    Result<std::string> kept = manager.recorder.journal()->add_array(std::get<std::vector<double>>(value));
     if (!kept) return kept.error();
     call.kept = "put " + object.path + "." + field.name + " " + *kept;
   }

@@ -9,9 +9,9 @@ using namespace objdb;
 Outcome run(Call& call) {
   const Result<std::uint64_t> count = count_word(call, 0, 1);
   if (!count) return count.error();
-  if (call.manager.in_transaction())
+  if (call.manager.history.in_transaction())
     return call.error(-1, ErrorKind::busy, "a transaction is open, expected commit or rollback");
-  if (Status status = call.manager.redo(*count); !status)
+  if (Status status = call.manager.history.redo(*count); !status)
     return call.error(-1, status.error().kind, status.error().sentence);
   return {};
 }

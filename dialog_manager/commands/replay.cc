@@ -18,7 +18,7 @@ Outcome run(Call& call) {
   const std::string path(call.words[static_cast<std::size_t>(file)].text);
   Result<JournalText> text = read_journal(path);
   if (!text) return call.error(file, text.error().kind, text.error().sentence);
-  if (manager.world.size() > 0 || !manager.manipulators().empty())
+  if (manager.world.size() > 0 || !manager.programs.all().empty())
     return call.error(-1, ErrorKind::exists,
                       "the world has " + std::to_string(manager.world.size()) + " objects, expected an empty one");
   if (!text->flaw.empty())

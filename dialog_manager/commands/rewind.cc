@@ -9,7 +9,7 @@ using namespace objdb;
 Outcome run(Call& call) {
   const Result<double> time = real_word(call, 0, "s");
   if (!time) return time.error();
-  Outcome outcome = call.manager.rewind(*time);
+  Outcome outcome = call.manager.playback.rewind(*time);
   if (!outcome.status) return call.error(0, outcome.status.error().kind, outcome.status.error().sentence);
   return outcome;
 }

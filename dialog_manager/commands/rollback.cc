@@ -8,7 +8,7 @@ using namespace objdb;
 
 Outcome run(Call& call) {
   if (call.session == nullptr) return call.error(-1, ErrorKind::busy, "a program has no transaction");
-  if (Status status = call.manager.roll_back(*call.session); !status)
+  if (Status status = call.manager.history.roll_back(*call.session); !status)
     return call.error(-1, status.error().kind, status.error().sentence);
   return {};
 }

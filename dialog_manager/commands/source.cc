@@ -42,7 +42,7 @@ Outcome run(Call& call) {
       LineWords words;
       std::string nothing;
       if (Status split = words.split(line); !split) return call.error(2, split.error().kind, split.error().sentence);
-      const Outcome made = call.manager.execute(call.source, call.session, words, line, {}, nothing);
+      const Outcome made = call.manager.dispatch.execute(call.source, call.session, words, line, {}, nothing);
       if (!made.status) return call.error(2, made.status.error().kind, made.status.error().sentence);
     }
     input.scope.prefix = path + "/";

@@ -10,11 +10,11 @@ class Starting : public Operation {
  public:
   explicit Starting(std::string program) : program_(std::move(program)) {}
   std::optional<Status> poll(Manager& manager, std::string&) override {
-    Manipulator* manipulator = manager.find_manipulator(program_);
+    Manipulator* manipulator = manager.programs.find(program_);
     if (manipulator == nullptr) return Status(Error{ErrorKind::gone, program_ + " is gone", 0});
     if (manipulator->state() == Manipulator::State::failed) {
       const Error error = manipulator->failure();
-      manager.drop(*manipulator);
+      manager.programs.drop(*manipulator);
       return Status(error);
     }
     if (manipulator->state() == Manipulator::State::active) return Status();
@@ -30,30 +30,29 @@ bool is_keyword(const Word& word) {
 }
 
 Outcome run(Call& call) {
-  std::string as, serving;
-  std::vector<std::string> launcher, arguments;
+  Programs::Start what;
+  what.program = call.words[0].text;
   for (std::size_t at = 1; at < call.words.size();) {
     const Word& keyword = call.words[at++];
     if (!is_keyword(keyword))
       return call.error(static_cast<int>(at) - 1, ErrorKind::syntax,
                         "unexpected " + quote(keyword.text) + ", expected as, with, serving or --");
     if (keyword.text == "--") {
-      for (; at < call.words.size(); ++at) arguments.emplace_back(call.words[at].text);
+      for (; at < call.words.size(); ++at) what.arguments.emplace_back(call.words[at].text);
       break;
     }
     const std::size_t first = at;
     if (keyword.text == "with") {
-      while (at < call.words.size() && !is_keyword(call.words[at])) launcher.emplace_back(call.words[at++].text);
+      while (at < call.words.size() && !is_keyword(call.words[at])) what.launcher.emplace_back(call.words[at++].text);
     } else if (at < call.words.size()) {
-      (keyword.text == "as" ? as : serving) = call.words[at++].text;
+      (keyword.text == "as" ? what.as : what.serving) = call.words[at++].text;
     }
     if (at == first)
       return call.error(static_cast<int>(first) - 1, ErrorKind::syntax,
                         "expected a word after " + std::string(keyword.text));
   }
-  if (!serving.empty()) serving = call.scope.resolve(serving);
-  const Result<Manipulator*> started =
-      call.manager.start(std::string(call.words[0].text), as, launcher, serving, arguments);
+  if (!what.serving.empty()) what.serving = call.scope.resolve(what.serving);
+  const Result<Manipulator*> started = call.manager.programs.start(std::move(what));
   if (!started) return call.error(0, started.error().kind, started.error().sentence);
   (*started)->command = call.line;
   return std::make_unique<Starting>((*started)->name);

@@ -20,9 +20,9 @@ Outcome run(Call& call) {
   line("types", manager.world.schema().types().size());
   line("lines", manager.counters.lines);
   line("ticks", manager.counters.ticks);
-  line("manipulators", manager.manipulators().size());
+  line("manipulators", manager.programs.all().size());
   std::uint64_t restarts = 0;
-  for (const auto& each : manager.manipulators()) restarts += static_cast<std::uint64_t>(each->restarts());
+  for (const auto& each : manager.programs.all()) restarts += static_cast<std::uint64_t>(each->restarts());
   line("restarts", restarts);
   return {};
 }

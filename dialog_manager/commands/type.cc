@@ -9,7 +9,7 @@ using namespace objdb;
 Outcome run(Call& call) {
   const Result<const Type*> type = call.manager.world.declare_type(call.words);
   if (!type) return type.error();
-  call.manager.schema_changed();
+  call.manager.programs.schema_changed();
   return {};
 }
 

@@ -7,7 +7,7 @@ namespace {
 using namespace objdb;
 
 Outcome run(Call& call) {
-  if (Status status = call.manager.unlisten(std::string(call.words[0].text)); !status)
+  if (Status status = call.manager.speakers.unlisten(std::string(call.words[0].text)); !status)
     return call.error(0, status.error().kind, status.error().sentence);
   return {};
 }

@@ -7,7 +7,7 @@ namespace {
 using namespace objdb;
 
 Outcome run(Call& call) {
-  if (call.session != nullptr) call.manager.unwatch(*call.session);
+  if (call.session != nullptr) call.manager.watches.remove(*call.session);
   return {};
 }
 

@@ -18,7 +18,8 @@ Outcome run(Call& call) {
       if (const Result<int> field = find_field(**object, target->field, target->field_column); !field)
         return field.error();
   }
-  return call.manager.watch(*call.session, std::string(call.words[0].text), call.scope);
+  call.manager.watches.add(*call.session, std::string(call.words[0].text), call.scope);
+  return {};
 }
 
 }  // namespace

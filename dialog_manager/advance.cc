@@ -7,6 +7,22 @@ namespace {
 
 using namespace objdb;
 
+// the way from one tick to another
+class Way {
+ public:
+  explicit Way(std::uint64_t last) : last_(last) {}
+  std::optional<double> share(const Manager& manager) const {
+    const std::uint64_t tick = manager.clock.tick();
+    if (!first_) first_ = tick;
+    if (last_ <= *first_) return std::nullopt;
+    return static_cast<double>(tick - *first_) / static_cast<double>(last_ - *first_);
+  }
+
+ private:
+  std::uint64_t last_;
+  mutable std::optional<std::uint64_t> first_;
+};
+
 // not yet; or never, when nobody else is there to say resume
 std::optional<Status> not_yet(const Manager& manager, std::uint16_t source) {
   if (!manager.paused_for_good(source)) return std::nullopt;
@@ -22,10 +38,12 @@ class AdvanceTo : public Operation {
     return Status();
   }
   bool wants_tick(const Manager& manager) const override { return manager.clock.tick() < tick_; }
+  std::optional<double> share(const Manager& manager) const override { return way_.share(manager); }
 
  private:
   std::uint16_t source_;
   std::uint64_t tick_;
+  Way way_{tick_};
 };
 
 class StepTo : public Operation {
@@ -36,10 +54,12 @@ class StepTo : public Operation {
     return Status();
   }
   bool wants_tick(const Manager& manager) const override { return manager.clock.tick() < tick_; }
+  std::optional<double> share(const Manager& manager) const override { return way_.share(manager); }
   bool steps() const override { return true; }
 
  private:
   std::uint64_t tick_;
+  Way way_{tick_};
 };
 
 class AdvanceUntil : public Operation {
@@ -55,11 +75,13 @@ class AdvanceUntil : public Operation {
         Error{ErrorKind::timeout, condition_.failure(manager.world) + " by " + number(manager.clock.time()) + " s", 0});
   }
   bool wants_tick(const Manager& manager) const override { return manager.clock.tick() < last_tick_; }
+  std::optional<double> share(const Manager& manager) const override { return way_.share(manager); }
 
  private:
   std::uint16_t source_;
   Condition condition_;
   std::uint64_t last_tick_;
+  Way way_{last_tick_};
 };
 
 }  // namespace

@@ -33,6 +33,8 @@ class Operation {
   virtual bool wants_tick(const Manager&) const { return false; }
   /// Does it go on though time is paused?
   virtual bool steps() const { return false; }
+  /// How much of it is done, from 0 to 1, when that is known.
+  virtual std::optional<double> share(const Manager&) const { return std::nullopt; }
   /// When poll() is to be asked at the latest, though nothing happened.
   virtual std::optional<std::chrono::steady_clock::time_point> deadline() const { return std::nullopt; }
 };

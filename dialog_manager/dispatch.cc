@@ -35,8 +35,13 @@ Error unknown_verb(const Manager& manager, const Word& verb) {
   for (const Command* command : commands()) names.push_back(command->name);
   for (const auto& manipulator : manager.programs.all())
     for (const Manipulator::Verb& each : manipulator->verbs()) names.push_back(each.name);
-  return {ErrorKind::unknown,
-          "no verb " + quote(verb.text.substr(0, 60)) + did_you_mean(verb.text.substr(0, 60), names), verb.column};
+  const std::string_view said = verb.text.substr(0, 60);
+  // what it may be short for, else what it may be mistyped for
+  std::string longer;
+  for (const std::string_view name : names)
+    if (name.starts_with(said)) longer += (longer.empty() ? ", did you mean " : ", ") + std::string(name);
+  return {ErrorKind::unknown, "no verb " + quote(said) + (longer.empty() ? did_you_mean(said, names) : longer + "?"),
+          verb.column};
 }
 
 // a program speaks about its part of the world. What a person does at its window comes over a FIFO of its own, and may

@@ -91,7 +91,8 @@ int main(int argc, char** argv) {
     }
   }
   options.read_input = options.texts.empty() || options.interactive;
-  options.terminal = options.read_input && !options.framed && ::isatty(STDIN_FILENO) != 0;
+  options.terminal =
+      options.read_input && !options.framed && ::isatty(STDIN_FILENO) != 0 && ::isatty(STDOUT_FILENO) != 0;
   options.interactive = options.interactive || options.terminal;
   if (options.terminal && !no_rc)
     if (const char* home = std::getenv("HOME"); home != nullptr)

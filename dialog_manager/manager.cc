@@ -12,6 +12,7 @@
 
 #include "dialog_manager/completion.h"
 #include "dialog_manager/replay.h"
+#include "dialog_manager/screen_text.h"
 
 namespace manager {
 namespace {
@@ -30,7 +31,11 @@ Manager::Manager(Options options)
       source_names_{"manager"} {
   world.keep_history(std::numeric_limits<std::size_t>::max());
   clock.set_pace(options_.pace);
-  loop_.on_signal({SIGINT, SIGTERM, SIGHUP}, [this](int signal) {
+  loop_.on_signal({SIGINT, SIGTERM, SIGHUP, SIGWINCH, SIGCONT}, [this](int signal) {
+    if (signal == SIGWINCH || signal == SIGCONT) {
+      if (prompt_) prompt_->redraw();
+      return;
+    }
     if (signal == SIGINT && prompt_) {
       interrupt();
       return;
@@ -67,10 +72,9 @@ void Manager::open_input() {
   Input input;
   input.name = "<stdin>";
   if (options_.terminal) {
-    prompt_ =
-        std::make_unique<Prompt>(loop_, [this](const std::string& line, std::size_t start, const std::string& word) {
-          return complete(*this, line, start, word);
-        });
+    prompt_ = std::make_unique<Prompt>(loop_, [this](const std::string& line) { return complete(*this, line); });
+    if (options_.texts.empty())
+      out_.write("The dialog manager of The Virtual Sailor. help lists the verbs, Tab completes, quit ends.\n");
     main_->abbreviate(true);
     input.live = std::make_unique<channel::Reader>(loop_, prompt_->reader(), channel::Descriptor::own, 65536);
   } else {
@@ -185,18 +189,46 @@ std::optional<Wall::time_point> Manager::next_deadline() const {
   take_session(*scheduled_);
   for (const auto& speaker : speakers.all()) take_session(*speaker);
   if (lockstep_.resting() && wants_tick()) take(clock.next_tick_due());
+  take(progress_.next());
   return first;
 }
 
 void Manager::flush() {
   // first the journal, then what acknowledges it
   if (!recorder.keep(false)) return;
+  show_progress();
   // what is told while somebody types stands above what is typed
-  if (prompt_ && (out_.pending() > 0 || errors_.pending() > 0)) prompt_->hide();
+  if (out_.pending() > 0 || errors_.pending() > 0) {
+    progress_.clear();
+    if (prompt_) prompt_->hide();
+  }
   programs.flush();
   out_.flush();
   errors_.flush();
-  if (prompt_ && main_->idle() && out_.pending() == 0 && errors_.pending() == 0) prompt_->show();
+  if (prompt_ && main_->idle() && out_.pending() == 0 && errors_.pending() == 0) prompt_->show(main_->within_line());
+}
+
+void Manager::show_progress() {
+  const Operation* work = main_->operation();
+  if (work == nullptr || options_.framed) {
+    progress_.rest();
+    return;
+  }
+  const auto waited_for = [this] {
+    std::string out;
+    for (const auto& each : programs.all())
+      if (each->waiting() > 1 || each->state() == Manipulator::State::starting)
+        out += (out.empty() ? "waiting for " : ", ") + each->name;
+    return out;
+  };
+  progress_.work([&] { return work->share(*this); }, waited_for);
+}
+
+std::size_t Manager::columns() const { return prompt_ ? terminal_columns(STDOUT_FILENO) : 0; }
+
+std::string Manager::caret(int column) const {
+  const std::optional<std::size_t> place = prompt_ ? prompt_->place(column) : std::nullopt;
+  return place ? std::string(*place, ' ') + "^\n" : std::string();
 }
 
 void Manager::acknowledge() {
@@ -214,6 +246,7 @@ void Manager::interrupt() {
     free_ = false;
     main_->end_operation(*this, Error{ErrorKind::gone, "interrupted", 0});
   } else {
+    main_->drop_line();
     prompt_->cancel();
   }
 }

@@ -15,6 +15,7 @@
 #include "dialog_manager/options.h"
 #include "dialog_manager/playback.h"
 #include "dialog_manager/programs.h"
+#include "dialog_manager/progress.h"
 #include "dialog_manager/prompt.h"
 #include "dialog_manager/recorder.h"
 #include "dialog_manager/schedule.h"
@@ -45,6 +46,11 @@ class Manager {
 
   /// Until everything is read and done. The exit status.
   int run();
+
+  /// How wide the terminal of the prompt is; 0 without a prompt.
+  std::size_t columns() const;
+  /// A line that points at byte `column` of what was typed last, when it stands right above; else nothing.
+  std::string caret(int column) const;
 
   objdb::Database world;
   Clock clock;
@@ -140,12 +146,14 @@ class Manager {
   bool all_read() const;
   std::optional<channel::Clock::time_point> next_deadline() const;
   void flush();
+  void show_progress();
   int end();
 
   Options options_;
   ArrayProbe probe_;
   std::vector<std::string> source_names_;
   std::unique_ptr<Prompt> prompt_;
+  Progress progress_{STDERR_FILENO};
   std::unique_ptr<Session> main_;
   std::unique_ptr<Session> scheduled_;
   std::vector<std::unique_ptr<Trace>> traces_;

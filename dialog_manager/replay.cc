@@ -70,6 +70,10 @@ class Replay : public Operation {
     return std::nullopt;
   }
 
+  std::optional<double> share(const Manager&) const override {
+    return static_cast<double>(at_) / static_cast<double>(std::max<std::size_t>(1, text_.records.size()));
+  }
+
   std::optional<std::chrono::steady_clock::time_point> deadline() const override {
     // more to do at once, unless a program is waited for
     if (inner_) return inner_->deadline();

@@ -20,9 +20,8 @@ Result<std::string> find_script(const std::string& name, const std::string& besi
   std::vector<std::filesystem::path> places = {wanted};
   if (wanted.is_relative()) {
     if (!beside.empty()) places.push_back(std::filesystem::path(beside) / wanted);
-    for (const char* installed : {"../share/virtual_sailor", "../../../scripts"})
-      for (const char* folder : {"", "scenes", "figures"})
-        places.push_back(std::filesystem::path(program_folder) / installed / folder / wanted);
+    for (const std::string& folder : script_folders(program_folder))
+      places.push_back((std::filesystem::path(folder) / wanted).lexically_normal());
   }
   std::error_code ignored;
   for (const auto& place : places)
@@ -31,6 +30,14 @@ Result<std::string> find_script(const std::string& name, const std::string& besi
   if (std::filesystem::is_directory(wanted, ignored))
     return Error{ErrorKind::io, shown(name) + " is a folder, expected a script", 0};
   return Error{ErrorKind::io, "no file " + shown(name), 0};
+}
+
+std::vector<std::string> script_folders(const std::string& program_folder) {
+  std::vector<std::string> out;
+  for (const char* installed : {"../share/virtual_sailor", "../../../scripts"})
+    for (const char* folder : {"", "scenes", "figures"})
+      out.push_back((std::filesystem::path(program_folder) / installed / folder).lexically_normal().string());
+  return out;
 }
 
 Result<std::string> read_script(const std::string& path) {

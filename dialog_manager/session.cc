@@ -266,6 +266,7 @@ void Session::report(Manager& manager, const Error& error) {
       column = std::max(error.column, 1) - static_cast<int>(offset);
     }
   std::string where = where_;
+  const bool typed = where.empty() && error.column > 0 && !stack_.empty() && stack_.back().live != nullptr;
   if (where.empty()) where = (stack_.empty() ? name : stack_.back().name) + ":" + std::to_string(number);
   where_.clear();
   if (style_ == Style::framed) {
@@ -282,6 +283,7 @@ void Session::report(Manager& manager, const Error& error) {
     return;
   }
   // what was answered before stands before the error, also where both go to one terminal
+  if (typed && out_.pending() == 0) errors_.write(manager.caret(column));
   manager.acknowledge();
   errors_.write(where + ":" + std::to_string(column) + ": error " + std::string(name_of(error.kind)) + " " +
                 error.sentence + "\n");

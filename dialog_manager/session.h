@@ -84,6 +84,10 @@ class Session : public Source {
     return !operation_ && queue_.empty() && stack_.size() == 1 && stack_.back().live &&
            !stack_.back().live->lines().has_line();
   }
+  /// The line so far ended in a backslash: the next one goes on with it.
+  bool within_line() const { return joining_; }
+  /// Drops a line that was to go on.
+  void drop_line() { joining_ = false; }
   Style style() const { return style_; }
   channel::Writer& out() { return out_; }
   channel::Writer& errors() { return errors_; }

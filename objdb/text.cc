@@ -311,22 +311,24 @@ std::string_view nearest(std::string_view text, std::span<const std::string_view
   constexpr std::size_t longest = 100;
   if (text.size() > longest) return best;
   std::size_t best_distance = text.size() / 3 + 1;
-  std::vector<std::size_t> row;
+  std::vector<std::size_t> row, above, next;
   for (const std::string_view candidate : candidates) {
     const std::size_t longer = std::max(text.size(), candidate.size()),
                       shorter = std::min(text.size(), candidate.size());
     if (longer - shorter >= best_distance) continue;
-    // Levenshtein distance, one row at a time
+    // letters left out, added, changed, or two swapped (optimal string alignment), one row at a time
     row.resize(candidate.size() + 1);
     for (std::size_t j = 0; j < row.size(); ++j) row[j] = j;
+    above.assign(row.size(), longest);
     for (std::size_t i = 0; i < text.size(); ++i) {
-      std::size_t diagonal = row[0];
-      row[0] = i + 1;
+      next.assign(row.size(), i + 1);
       for (std::size_t j = 0; j < candidate.size(); ++j) {
-        const std::size_t substitution = diagonal + (text[i] == candidate[j] ? 0 : 1);
-        diagonal = row[j + 1];
-        row[j + 1] = std::min({substitution, row[j] + 1, row[j + 1] + 1});
+        next[j + 1] = std::min({row[j] + (text[i] == candidate[j] ? 0 : 1), next[j] + 1, row[j + 1] + 1});
+        if (i > 0 && j > 0 && text[i] == candidate[j - 1] && text[i - 1] == candidate[j])
+          next[j + 1] = std::min(next[j + 1], above[j - 1] + 1);
       }
+      above.swap(row);
+      row.swap(next);
     }
     if (row.back() < best_distance) {
       best_distance = row.back();

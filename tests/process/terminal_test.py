@@ -1,10 +1,12 @@
 """The prompt on a terminal: editing, completion, history, interrupts, and the terminal as it was afterwards."""
 
+import fcntl
 import os
 import pty
 import re
 import select
 import signal
+import struct
 import subprocess
 import termios
 import time
@@ -25,10 +27,13 @@ class Terminal(Case):
     def start(self, *arguments):
         self.process = subprocess.Popen([BIN / "dialog_manager", *arguments], cwd=self.folder, env=sailor.environment(self.folder),
                                         stdin=self.other, stdout=self.other, stderr=self.other, start_new_session=True,
-                                        preexec_fn=lambda: __import__("fcntl").ioctl(0, termios.TIOCSCTTY, 0))
+                                        preexec_fn=lambda: fcntl.ioctl(0, termios.TIOCSCTTY, 0))
         self.addCleanup(self.process.wait)
         self.addCleanup(self.process.kill)
         self.prompt()
+
+    def size(self, rows, columns):
+        fcntl.ioctl(self.other, termios.TIOCSWINSZ, struct.pack("HHHH", rows, columns, 0, 0))
 
     def read(self, wait=0.05):
         while select.select([self.main], [], [], wait)[0]:
@@ -87,6 +92,92 @@ class Terminal(Case):
         self.until("melancholy")
         self.say("")
         self.assertIn("melancholy", self.say("get sun.mood"))
+
+    def test_tab_offers_what_the_syntax_names(self):
+        self.file("my_scene.dlg", "echo hello\n")
+        self.start("--norc")
+        for line in ("create node tree", "create node tree/branch", "create camera front"):
+            self.say(line)
+        for typed, shown in (("source my_\t", "source my_scene.dlg"), ("source follo\t", "source follow.dlg"), ("start wa\t", "start wave"),
+                             ("budget er\t", "budget error"), ("pace real\t", "pace realtime"), ("help und\t", "help undo"),
+                             ("replay --l\t", "replay --live"), ("at 3s echo\t", "at 3s echo"), ("list tree/\t", "list tree/branch"),
+                             ("create cam\t", "create camera"), ("run \t", "run DURATION"), ("describe came\t", "describe camera")):
+            with self.subTest(typed):
+                self.type(typed)
+                self.until(re.escape(shown))
+                self.type("\x03")
+                self.prompt()
+
+    def test_an_error_is_pointed_at(self):
+        self.start("--norc")
+        self.say("create node ball")
+        shown = self.say("get ball.colour").split("\n")
+        self.assertEqual(shown[1].index("^"), shown[0].index("colour") + len("> "), shown)
+        self.assertRegex(shown[2], "^<stdin>:2:10: error unknown ")
+
+    def test_an_event_leaves_the_typed_line_alone(self):
+        self.start("--norc")
+        for line in ("create node ball", "listen ear", "watch ball"):
+            self.say(line)
+        self.type("echo one two\x1b[D")  # the cursor stands before the last letter
+        with open(self.folder / "ear", "w", encoding="utf-8") as ear:
+            ear.write("set ball.visible false\n")
+        self.until(r"event ball.visible false\n> > echo one two\x08$")  # a carriage return between the marks
+        self.assertIn("one twXo", self.say("X"))
+
+    def test_a_wrapped_line_is_taken_off_whole(self):
+        self.size(24, 40)
+        self.start("--norc")
+        self.say("listen ear")
+        self.type("echo " + "x" * 100)
+        self.until("x{27}$")
+        self.seen = ""
+        with open(self.folder / "ear", "w", encoding="utf-8") as ear:
+            ear.write("echo heard\n")
+        self.until("heard")
+        self.assertIn("\r\x1b[2A\x1b[J", self.seen)
+
+    def test_letters_of_all_languages(self):
+        self.start("--norc")
+        self.assertIn("grüße 船乗り", self.say("echo grüße 船乗りX\b").split("\n", 1)[1])
+
+    def test_two_hundred_lines_pasted_at_once(self):
+        self.start("--norc")
+        self.type("".join(f"create node n{i} position {i} 0 0\r" for i in range(200)) + "echo all of them\r")
+        self.until(r"\nall of them\n> ?$")
+        self.assertEqual(self.say("list n*").count("\n"), 201)
+
+    def test_long_work_shows_how_far_it_is(self):
+        self.start("--norc")
+        self.say("pace 2")
+        self.type("run 4s\r")
+        self.until(r"\[#+\.+\] +\d+ %, \d+ s left")
+        self.until(r"\n> ?$|\x1b\[K> ?$|> ?$")
+        self.assertRegex(self.say("time"), r"\n4\n")
+
+    def test_an_interrupt_drops_a_continued_line(self):
+        self.start("--norc")
+        self.type("create node half\\\r")
+        self.until(r"\.\.\.> $")
+        self.type("\x03")
+        self.until(r"\^C\n> $")
+        self.assertEqual(self.say("list"), "list\n> ")
+
+    def test_history_is_kept_when_the_session_is_killed(self):
+        self.start("--norc")
+        self.say("echo remembered_line")
+        self.process.kill()
+        self.process.wait()
+        self.assertIn("echo remembered_line\n", (self.folder / ".dialog_manager_history").read_text())
+        self.assertEqual((self.folder / ".dialog_manager_history").stat().st_mode & 0o777, 0o600)
+
+    def test_no_prompt_where_nobody_sees_it(self):
+        done = subprocess.Popen([BIN / "dialog_manager", "--norc"], cwd=self.folder, env=sailor.environment(self.folder), stdin=self.other,
+                                stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+        self.addCleanup(done.kill)
+        os.write(self.main, b"echo quietly\nquit\n")
+        out, errors = done.communicate(timeout=sailor.PATIENCE)
+        self.assertEqual((out, errors), (b"quietly\n", b""))
 
     def test_history_lasts_from_session_to_session(self):
         self.start("--norc")

@@ -9,7 +9,7 @@ namespace {
 using namespace objdb;
 
 Outcome run(Call& call) {
-  static constexpr std::string_view parts[] = {"method",         "method_used", "predicted_error",
+  static constexpr std::string_view parts[] = {"method",         "method_used", "chosen", "predicted_error",
                                                "predicted_time", "status",      "elapsed"};
   const Database& world = call.manager.world;
   const std::string pattern = call.words.empty() ? "**" : std::string(call.words[0].text);
@@ -31,6 +31,7 @@ Outcome run(Call& call) {
         continue;
       call.out += " " + field.name + "=";
       append_value(call.out, field, world.value(*object, i), world);
+      call.out += field.unit();
     }
     call.out += "\n";
   }
@@ -40,13 +41,14 @@ Outcome run(Call& call) {
 }  // namespace
 
 extern const Command command_methods;
-const Command command_methods = {
-    "methods",
-    "[PATTERN]",
-    "Prints, for every object with a method: the method wanted and used, the error and time predicted and achieved.",
-    Effect::look,
-    0,
-    1,
-    run};
+const Command command_methods = {"methods",
+                                 "[PATTERN]",
+                                 "Prints, for every object with a method: the method wanted and used (or chosen), the "
+                                 "errors and the time, predicted "
+                                 "where it has a chart of its methods, and achieved.",
+                                 Effect::look,
+                                 0,
+                                 1,
+                                 run};
 
 }  // namespace manager

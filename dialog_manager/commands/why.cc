@@ -8,6 +8,14 @@ namespace {
 
 using namespace objdb;
 
+// a line that creates an object and does not speak of this field
+bool made_silently(std::string_view line, std::string_view field) {
+  LineWords words;
+  if (!words.split(line) || words.empty() || words.words()[0].text != "create") return false;
+  const Words all = words.words();
+  return std::none_of(all.begin() + 1, all.end(), [&](const Word& word) { return word.text == field; });
+}
+
 void tell_origin(std::string& out, const Manager& manager, const Object& object, int index) {
   const Field& field = object.type->field(index);
   out += object.path + "." + field.name + " ";
@@ -24,7 +32,17 @@ void tell_origin(std::string& out, const Manager& manager, const Object& object,
   }
   out += "    by " + manager.source_name(origin.source) + " at tick " + std::to_string(origin.tick);
   const std::optional<std::string_view> line = manager.lines.find(origin.line);
+  // what made the object made this value too, without a word about it
+  if (line && made_silently(*line, field.name)) out += "    the default of " + field.owner->name() + ",\n";
   out += line ? ": " + std::string(*line) + "\n" : " (the line is no longer kept)\n";
+}
+
+// somebody gave it this value
+bool was_said(const Manager& manager, const Object& object, int index) {
+  const Field& field = object.type->field(index);
+  const std::uint64_t said = object.slots[static_cast<std::size_t>(index)].origin.line;
+  const std::optional<std::string_view> line = manager.lines.find(said);
+  return said != 0 && !field.derived && !(line && made_silently(*line, field.name));
 }
 
 // what a solver says about its own answer
@@ -60,7 +78,7 @@ Outcome run(Call& call) {
   }
   if (target->field.empty() && !reported)
     for (int i = 0; i < static_cast<int>(object.slots.size()); ++i)
-      if (object.slots[static_cast<std::size_t>(i)].origin.line != 0) tell_origin(call.out, manager, object, i);
+      if (was_said(manager, object, i)) tell_origin(call.out, manager, object, i);
   return {};
 }
 

@@ -185,8 +185,10 @@ class Session(Case):
         self.assertRegex(manager.must("why w.position"), r"\b3\b")
         manager.must("set ball.position 1 2 3")
         self.assertIn("set ball.position 1 2 3", manager.must("why ball.position"))
-        manager.must("why ball.scale")
-        manager.must("why ball")
+        # what nobody spoke of is a default, and no part of the story of an object
+        self.assertIn("the default of node", manager.must("why ball.scale"))
+        self.assertNotIn("scale", manager.must("why ball"))
+        self.assertIn("ball.position 1 2 3", manager.must("why ball"))
         manager.refused("why nothing", "unknown")
 
     def test_watch_tells_changes_once_a_tick(self):

@@ -212,7 +212,7 @@ void Database::assign(const Object& object, int field, Value&& value) {
   }
   const Origin old_origin = slot.origin;
   write(target, field, value, origin_);
-  if (history_limit_ == 0) return;
+  if (history_limit_ == 0 || beneath_) return;
   Change& change = record(Change::What::value, target.id);
   change.owner = static_cast<std::uint16_t>(slot.owner);
   change.field = field;

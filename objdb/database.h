@@ -87,6 +87,8 @@ class Database : public Names {
   std::uint64_t mark() const { return history_base_ + history_.size(); }
   /// The oldest point that can still be returned to.
   std::uint64_t oldest_mark() const { return history_base_; }
+  /// Values that are assigned while this is set cannot be taken back, and stay when what came before them is.
+  void assign_beneath(bool beneath) { beneath_ = beneath; }
   /// Nothing that happened so far will be taken back.
   void forget_history() { forget_history(mark()); }
   /// Takes back everything since `mark`. The inverse is appended to `redo` when given.
@@ -175,6 +177,7 @@ class Database : public Names {
   History<Change> history_;
   std::uint64_t history_base_ = 0;
   std::size_t history_limit_ = 0;
+  bool beneath_ = false;
 
   struct Feed {
     bool open = false;

@@ -7,7 +7,18 @@
 namespace manager {
 
 void Lockstep::begin() {
+  if (!manager_.may_tick()) return;
+  tick_follows_ = true;
   if (!begin_checkpoints()) begin_stages();
+}
+
+void Lockstep::write_down(const Manipulator* only) {
+  tick_follows_ = false;
+  for (const auto& each : manager_.programs.all()) {
+    if ((only != nullptr && only != each.get()) || !each->can_checkpoint()) continue;
+    each->ask_checkpoint();
+    writing_down_ = true;
+  }
 }
 
 bool Lockstep::step() { return writing_down_ ? end_checkpoints() : end_stage(); }
@@ -27,7 +38,8 @@ bool Lockstep::end_checkpoints() {
   if (std::any_of(programs.begin(), programs.end(), [](const auto& each) { return each->answering(); })) return false;
   for (Manipulator* each : manager_.programs.by_name()) each->apply_checkpoint();
   writing_down_ = false;
-  begin_stages();
+  // who failed meanwhile may hold time
+  if (tick_follows_ && manager_.may_tick()) begin_stages();
   return true;
 }
 
@@ -62,15 +74,6 @@ bool Lockstep::end_stage() {
   ++stage_;
   begin_stage();
   return true;
-}
-
-bool Lockstep::abandon() {
-  const bool flew = in_flight();
-  if (!resting())
-    for (const auto& each : manager_.programs.all()) each->abandon_tick();
-  writing_down_ = false;
-  stage_ = -1;
-  return flew;
 }
 
 }  // namespace manager

@@ -145,8 +145,8 @@ bool Manager::step() {
   bool did = programs.step();
   if (!lockstep_.resting()) return lockstep_.step() || did;
   did |= step_sessions();
-  if ((did || watches.held()) && !tick_in_flight() && !history.in_transaction()) watches.tell(main_->behind());
-  if (tick_in_flight() || quitting_) return did;
+  if ((did || watches.held()) && resting() && !history.in_transaction()) watches.tell(main_->behind());
+  if (!resting() || quitting_) return did;
   return step_time() || did;
 }
 
@@ -167,7 +167,7 @@ bool Manager::step_sessions() {
   // a few lines each, so that nobody waits for a flood
   bool did = main_->step(*this, lines_at_a_time);
   for (const auto& speaker : speakers.all()) {
-    if (tick_in_flight() || scheduled_->operation() != nullptr) break;
+    if (!resting() || scheduled_->operation() != nullptr) break;
     did |= speaker->step(*this, lines_at_a_time / 16);
   }
   return did;
@@ -315,10 +315,20 @@ bool Manager::wants_tick() const {
          std::any_of(speakers.all().begin(), speakers.all().end(), [&](const auto& each) { return wants(*each); });
 }
 
+bool Manager::may_tick() {
+  for (const auto& program : programs.all()) {
+    if (!program->holds_time()) continue;
+    Error error = program->failure();
+    error.sentence += "; expected end " + program->name + ", or to start it again";
+    end_waiting(error);
+    return false;
+  }
+  return true;
+}
+
 bool Manager::begin_tick() {
   if (const Status room = recorder.room_for_tick(); !room) {
-    if (free_) event("event journal " + room.error().sentence.substr(8) + ", time stands still");
-    break_tick(room.error());
+    end_waiting(room.error());
     return false;
   }
   // what was done before cannot be taken back, nor done again, in another time
@@ -340,20 +350,27 @@ void Manager::finish_tick() {
   for (const Schedule::Entry& entry : schedule.take_due(clock.time(), world))
     if (!playback.following()) scheduled_->enqueue_command(entry.command, entry.where, entry.scope);
   scheduled_->step(*this, lines_at_a_time);
+  if (const std::optional<Error> broken = std::exchange(broken_, std::nullopt)) end_waiting(*broken);
 }
 
-void Manager::break_tick(const Error& error) {
-  free_ = false;
-  if (lockstep_.abandon()) {
-    // the tick did not happen for those who had not answered; what is known stays
-    clock.advance();
-    recorder.close_tick();
-  }
+void Manager::break_time(const Error& error) {
+  if (!tick_in_flight())
+    end_waiting(error);
+  else if (!broken_)
+    broken_ = error;
+}
+
+void Manager::end_waiting(const Error& error) {
+  if (std::exchange(free_, false)) event("event time stands still: " + error.sentence);
   const auto end = [&](Session& session) {
     if (session.operation() != nullptr && session.operation()->wants_tick(*this)) session.end_operation(*this, error);
   };
   end(*main_);
   for (const auto& speaker : speakers.all()) end(*speaker);
+}
+
+void Manager::write_down(const Manipulator* only) {
+  if (resting() && !history.in_transaction() && !playback.replaying()) lockstep_.write_down(only);
 }
 
 }  // namespace manager

@@ -97,12 +97,19 @@ class Manager {
   bool paused_for_good(std::uint16_t source) const;
   void pause(const Source& source);
   void go_on();
+  /// Neither a tick nor the writing down of states is under way: lines can be carried out.
+  bool resting() const { return lockstep_.resting(); }
+  /// Does no program hold time that failed? Else who waits for time is told so.
+  bool may_tick();
   /// What a tick needs before it begins. False: there will be none.
   bool begin_tick();
   /// Every program has answered: time goes on, and who waits for it is served.
   void finish_tick();
-  /// Makes everyone who waits for time fail with this.
-  void break_tick(const objdb::Error& error);
+  /// Makes everyone who waits for time fail with this, when the tick that is under way is over.
+  void break_time(const objdb::Error& error);
+  /// Has a program, or with null all of them, write down their state, so that the world has it; resting() tells when
+  /// they have. Not within a transaction, which could take it back, and not while a journal says what they wrote.
+  void write_down(const Manipulator* only);
 
   // -- who speaks, and who listens
   std::uint16_t add_source(std::string name);
@@ -143,6 +150,7 @@ class Manager {
   bool step_sessions();
   bool step_time();
   bool wants_tick() const;
+  void end_waiting(const objdb::Error& error);
   bool all_read() const;
   std::optional<channel::Clock::time_point> next_deadline() const;
   void flush();
@@ -160,6 +168,7 @@ class Manager {
   Budget budget_;
   Lockstep lockstep_{*this};
   bool free_ = false;
+  std::optional<objdb::Error> broken_;      // time, at the end of this tick
   std::optional<std::uint16_t> paused_by_;  // id of the source
   bool quitting_ = false;
   int exit_status_ = 0;

@@ -126,7 +126,7 @@ void Manipulator::answer_question(std::string_view body) {
 }
 
 void Manipulator::refuse(const Error& error) {
-  refusals_.refused();
+  refusals_.refused(Wall::now());
   const std::string text = "error " + std::string(name_of(error.kind)) + " " +
                            std::to_string(std::max(error.column, 1)) + " " + error.sentence;
   if (input() != nullptr) {
@@ -238,9 +238,13 @@ void Manipulator::apply_answer() {
 
 // -- checkpoints
 
+// one that is about to be started again is asked then
+bool Manipulator::can_checkpoint() const {
+  return declared_.checkpoints() && begun() && !over() && !checkpoints_.given_up();
+}
+
 bool Manipulator::wants_checkpoint(std::uint64_t tick, double manager_rate) const {
-  if (!declared_.checkpoints() || state() != State::active || checkpoints_.given_up() ||
-      checkpoints_.last_tick() == 0 || !due(tick, manager_rate))
+  if (!can_checkpoint() || state() != State::active || checkpoints_.last_tick() == 0 || !due(tick, manager_rate))
     return false;
   // a journal that is followed says when
   if (manager_.playback.following()) return checkpoints_.wanted();
@@ -275,12 +279,15 @@ void Manipulator::apply_checkpoint() {
   const std::uint64_t refused = refusals_.all();
   std::string rest;
   manager_.recorder.add_checkpoint(name, false);
+  // what a person did before can be taken back; that it was written down cannot
+  manager_.world.assign_beneath(true);
   for_each_line(*answer, [&](std::string_view line) {
     if (writes_down(line))
       said(line);
     else
       rest.append(line).append("\n");
   });
+  manager_.world.assign_beneath(false);
   checkpoints_.written();
   if (refused == refusals_.all()) {
     manager_.recorder.add_checkpoint(name, true);

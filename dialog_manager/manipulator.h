@@ -48,6 +48,8 @@ class Manipulator : public Source {
   std::string_view state_name() const { return life_.name(); }
   /// It ended or failed, and will not take part any more.
   bool over() const { return life_.over(); }
+  /// It failed, and no time shall pass without it, until a person says so.
+  bool holds_time() const { return life_.is(State::failed) && holds_time_; }
   /// Why it failed.
   const objdb::Error& failure() const { return failure_; }
   bool alive() const { return child_ != nullptr; }
@@ -96,6 +98,8 @@ class Manipulator : public Source {
   bool wants_checkpoint(std::uint64_t tick, double manager_rate) const;
   /// It shall write it down before the next tick in which it takes part.
   void want_checkpoint() { checkpoints_.want(); }
+  /// Is there a state that it could write down now?
+  bool can_checkpoint() const;
   void ask_checkpoint();
   /// Carries out what it wrote, when it was all good; what it was told before need not be told again then.
   void apply_checkpoint();
@@ -135,6 +139,8 @@ class Manipulator : public Source {
   void give_up(objdb::Error error);
   void lose_child();
   void note_lost_checkpoint(const std::string& how);
+  objdb::Error reason(const std::string& how, RestartPolicy::Verdict verdict, bool forgotten) const;
+  void skip(const std::string& how);
   void pass_errors_on();
   void became_ready();
   void begin_story();
@@ -168,7 +174,7 @@ class Manipulator : public Source {
   Life life_;
   RestartPolicy restart_policy_;
   std::unique_ptr<channel::Child> child_;
-  bool quitting_ = false;
+  bool quitting_ = false, holds_time_ = false;
   int restarts_ = 0;
   objdb::Error failure_{objdb::ErrorKind::gone, {}, 0};
   std::optional<channel::Clock::time_point> deadline_, restart_at_;

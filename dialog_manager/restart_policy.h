@@ -2,12 +2,12 @@
 
 #include <chrono>
 #include <deque>
-#include <optional>
 
 namespace manager {
 
-/// When a program that died is started again: after 0, 50, 100, 200, 400 ms, the longer the more often it died without
-/// finishing a tick. Not any more when it died so three times in a row, or was started more than 5 times in 10 s.
+/// When a program that died is started again: at once, then after 50 ms, when it died again without having finished a
+/// tick. Not any more when it died so three times in a row, was started more than 5 times in 10 s, or when two lives in
+/// a row ended because they talked garbage.
 class RestartPolicy {
  public:
   using Time = std::chrono::steady_clock::time_point;
@@ -16,14 +16,24 @@ class RestartPolicy {
   void started(Time now) { starts_.push_back(now); }
   /// It did what it is there for.
   void finished() { strikes_ = 0; }
-  /// It died. When to start it again; nothing: it is given up.
-  std::optional<Time> died(Time now);
+  enum class Verdict {
+    again,       ///< it is started again, at `when`
+    struck_out,  ///< it dies of what it is told
+    too_often,   ///< whatever it is told
+  };
+  struct Sentence {
+    Verdict verdict;
+    Time when;
+  };
+  /// It died, or was ended because it talked `garbage`.
+  Sentence died(Time now, bool garbage);
   /// Deaths since it last finished a tick.
   int strikes() const { return strikes_; }
 
  private:
   std::deque<Time> starts_;  // in the last 10 s
   int strikes_ = 0;
+  int garbage_ = 0;  // lives in a row that talked it
 };
 
 }  // namespace manager

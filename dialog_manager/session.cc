@@ -65,14 +65,14 @@ bool Session::step(Manager& manager, int budget) {
       if (behind()) return did;
     }
     const Got got = next_line(manager, line_);
-    if (got == Got::end && stack_.empty()) return did;
+    if (got == Got::end && finished()) return did;
     if (got == Got::none) return did;
     did = true;
     if (got != Got::line) continue;
     if (++lines_ % objdb::lines_looked_ahead == 0) look_ahead(manager.world, rest(stack_.back()));
     run_line(manager, line_, stack_.back().where, stack_.back().scope);
     // a tick that is under way is not to be disturbed
-    if (manager.tick_in_flight()) return did;
+    if (!manager.resting()) return did;
   }
   return did;
 }

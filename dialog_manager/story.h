@@ -33,6 +33,8 @@ class Story {
   void checkpoint();
   /// Everything once more. When more was told than is kept, the world as it stands, and `act`, what it is acting on.
   std::string retell(std::string_view act);
+  /// What it was told is not to be told again: then the world as it stands.
+  void lose() { log_.lose(); }
   /// More was told than is kept.
   bool lost() const { return log_.lost(); }
 

@@ -92,18 +92,40 @@ void Manipulator::died(const std::string& how) {
     return;
   }
   note_lost_checkpoint(how);
-  restart_at_ = restart_policy_.died(Wall::now());
+  using Verdict = RestartPolicy::Verdict;
+  const auto [verdict, when] = restart_policy_.died(Wall::now(), how == "garbage");
+  const bool skips = declared_.policy() == Policy::skip;
   const bool forgotten = story_.lost() && declared_.policy() == Policy::stop;
-  if (restart_at_ && !forgotten) {
-    life_.take(Life::Event::lost);
+  if (forgotten || verdict == Verdict::too_often || (verdict == Verdict::struck_out && !skips)) {
+    give_up(reason(how, verdict, forgotten));
     return;
   }
+  if (verdict == Verdict::struck_out) skip(how);
+  life_.take(Life::Event::lost);
+  restart_at_ = when;
+}
+
+Error Manipulator::reason(const std::string& how, RestartPolicy::Verdict verdict, bool forgotten) const {
   const int strikes = restart_policy_.strikes();
-  give_up({how == "timeout" ? ErrorKind::timeout : ErrorKind::gone,
-           name + " ended with " + how + " at tick " + std::to_string(checkpoints_.last_tick()) +
-               (forgotten ? ", and what it was told without a checkpoint is more than is kept"
-                          : ", " + std::to_string(strikes) + (strikes == 1 ? " time" : " times in a row")),
-           0});
+  std::string sentence = name + " ended with " + how + " at tick " + std::to_string(checkpoints_.last_tick());
+  if (forgotten)
+    sentence += ", and what it was told without a checkpoint is more than is kept";
+  else if (verdict == RestartPolicy::Verdict::struck_out)
+    sentence += ", " + std::to_string(strikes) + " times in a row";
+  else
+    sentence += how == "garbage" ? ", twice in a row" : ", and was started more than 5 times in 10 s";
+  return {how == "timeout" ? ErrorKind::timeout : ErrorKind::gone, std::move(sentence), 0};
+}
+
+// what it dies of is left out: its next life is told the world as it stands then
+void Manipulator::skip(const std::string& how) {
+  const bool of_tick = answer_.tick().has_value();
+  abandon_tick();
+  requests_.fail(reason(how, RestartPolicy::Verdict::struck_out, false));
+  story_.lose();
+  restart_policy_.finished();
+  manager_.event("event skipped " + name +
+                 (of_tick ? " tick " + std::to_string(checkpoints_.last_tick()) : std::string(" what it was asked")));
 }
 
 void Manipulator::note_lost_checkpoint(const std::string& how) {
@@ -130,7 +152,8 @@ void Manipulator::give_up(Error error) {
   if (!begun()) return;
   // changes are not kept for who will not hear of them
   story_.briefing().end();
-  if (declared_.policy() == Policy::stop) manager_.break_tick(failure_);
+  holds_time_ = declared_.policy() == Policy::stop;
+  if (holds_time_) manager_.break_time(failure_);
 }
 
 // -- watched

@@ -56,9 +56,7 @@ void ToldLog::act(std::string_view line) {
 }
 
 void ToldLog::limit() {
-  if (bytes() <= longest) return;
-  begin();
-  lost_ = true;
+  if (bytes() > longest) lose();
 }
 
 bool ToldLog::wants_whole() const {

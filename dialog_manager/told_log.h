@@ -35,6 +35,10 @@ class ToldLog {
   /// More than is kept was told without a checkpoint; the log is empty and stays so until begin().
   bool lost() const { return lost_; }
   void begin() { *this = {}; }
+  void lose() {
+    begin();
+    lost_ = true;
+  }
 
  private:
   struct Piece {

@@ -2,6 +2,7 @@
 
 #include "dialog_manager/command.h"
 #include "dialog_manager/manager.h"
+#include "dialog_manager/written_down.h"
 
 namespace manager {
 namespace {
@@ -29,9 +30,12 @@ Outcome run(Call& call) {
                         shown(call.words[1].text) + " is no policy, expected none, everysec, tick or always");
     sync = static_cast<Journal::Sync>(found - std::begin(policies));
   }
-  if (Status status = manager.recorder.begin(std::string(call.words[0].text), sync); !status)
-    return call.error(0, status.error().kind, status.error().sentence);
-  return {};
+  const auto begin = [path = std::string(call.words[0].text), column = call.words[0].column, sync](
+                         Manager& all, std::string&) -> Status {
+    Status begun = all.recorder.begin(path, sync);
+    return begun ? begun : Error{begun.error().kind, begun.error().sentence, column};
+  };
+  return with_written_down(manager, call.out, begin);
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
 #include "dialog_manager/command.h"
 #include "dialog_manager/manager.h"
+#include "dialog_manager/written_down.h"
 
 #include <fcntl.h>
 #include <unistd.h>
@@ -50,26 +51,31 @@ Status write_file(std::string path, std::string_view text) {
 }
 
 Outcome run(Call& call) {
-  const std::string text = objdb::save(call.manager.world);
-  if (call.words.empty()) {
-    call.out += text;
-    return {};
-  }
-  if (Status written = write_file(std::string(call.words[0].text), text); !written)
-    return call.error(0, written.error().kind, written.error().sentence);
-  return {};
+  const Word file = call.words.empty() ? call.verb : call.words[0];
+  const auto write = [path = std::string(call.words.empty() ? "" : file.text), column = file.column](
+                         Manager& manager, std::string& out) -> Status {
+    const std::string text = objdb::save(manager.world);
+    if (path.empty()) {
+      out += text;
+      return {};
+    }
+    Status written = write_file(path, text);
+    return written ? written : Error{written.error().kind, written.error().sentence, column};
+  };
+  return with_written_down(call.manager, call.out, write);
 }
 
 }  // namespace
 
 extern const Command command_save;
-const Command command_save = {
-    "save",
-    "[FILE]",
-    "Writes the world as a script that makes it again, with the same hash; without a file prints it.",
-    Effect::control,
-    0,
-    1,
-    run};
+const Command command_save = {"save",
+                              "[FILE]",
+                              "Writes the world as a script that makes it again, with the same hash; without a file "
+                              "prints it. The programs write "
+                              "down their private state before (not within a transaction).",
+                              Effect::control,
+                              0,
+                              1,
+                              run};
 
 }  // namespace manager

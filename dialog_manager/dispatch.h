@@ -23,6 +23,10 @@ class Dispatch {
   void speak_as(const Source& source, std::string_view line);
   /// Tells this session every accepted line, with who said it; null: nobody.
   void monitor_for(Session* session) { monitored_ = session; }
+  /// This session is told nothing more.
+  void forget(const Session& session) {
+    if (monitored_ == &session) monitored_ = nullptr;
+  }
 
  private:
   const Command* command_for(const objdb::Word& verb, const Session* session) const;

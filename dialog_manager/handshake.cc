@@ -1,6 +1,7 @@
 #include "dialog_manager/handshake.h"
 
 #include "dialog_manager/manager.h"
+#include "dialog_manager/said_error.h"
 
 namespace manager {
 namespace {
@@ -29,6 +30,11 @@ Result<bool> Handshake::take(std::string_view line) {
   if (Status split = words_.split(line); !split)
     return Error{split.error().kind, program_.name + " said: " + split.error().sentence, 0};
   if (words_.empty()) return false;
+  // why it cannot be what it is
+  if (words_.words()[0].text == "error") {
+    const Error error = parse_said_error(line);
+    return Error{error.kind, program_.name + ": " + error.sentence, 0};
+  }
   Result<bool> ready = declare(words_.words(), line);
   if (ready) return ready;
   return Error{ready.error().kind,

@@ -3,33 +3,11 @@
 #include <algorithm>
 
 #include "dialog_manager/count.h"
+#include "dialog_manager/said_error.h"
 
 namespace manager {
-namespace {
 
 using namespace objdb;
-
-// "error KIND [COLUMN] sentence" as a program says it
-Error parse_error(std::string_view text) {
-  text.remove_prefix(std::min<std::size_t>(6, text.size()));
-  Error error{ErrorKind::io, std::string(text), 0};
-  for (int kind = 0; kind <= static_cast<int>(ErrorKind::io); ++kind) {
-    const std::string_view word = name_of(static_cast<ErrorKind>(kind));
-    if (!text.starts_with(word) || text.size() <= word.size() || text[word.size()] != ' ') continue;
-    error.kind = static_cast<ErrorKind>(kind);
-    error.sentence = text.substr(word.size() + 1);
-    // an optional column of the forwarded line
-    const std::size_t digits = error.sentence.find_first_not_of("0123456789");
-    if (digits != 0 && digits != std::string::npos && error.sentence[digits] == ' ') {
-      error.column = static_cast<int>(parse_count(std::string_view(error.sentence).substr(0, digits)).value_or(0));
-      error.sentence.erase(0, digits + 1);
-    }
-    break;
-  }
-  return error;
-}
-
-}  // namespace
 
 std::optional<std::uint64_t> request_number(std::string_view line) {
   const std::string_view tag = line.substr(0, line.find(' '));
@@ -54,7 +32,7 @@ bool Requests::close(std::string_view line) {
   if (sent == sent_.end()) return false;
   const std::size_t blank = line.find(' ');
   const std::string_view rest = blank == std::string_view::npos ? std::string_view() : line.substr(blank + 1);
-  sent->second = Reply{std::move(body), rest.starts_with("error") ? Status(parse_error(rest)) : Status()};
+  sent->second = Reply{std::move(body), rest.starts_with("error") ? Status(parse_said_error(rest)) : Status()};
   return true;
 }
 

@@ -101,7 +101,7 @@ Session::Got Session::next_line(Manager& manager, Line& line) {
       return Got::line;
     }
     // lines of a program stand alone; those of a script that it has read do not
-    const bool goes_on = (style_ == Style::people || !input.live) && continues(text);
+    const bool goes_on = (style_ != Style::framed || !input.live) && continues(text);
     if (!joining_) {
       line.number = input.line;
       line.text = text;
@@ -241,13 +241,14 @@ void Session::finish_reply(Manager& manager, const Status& status) {
   if (style_ == Style::people) {
     out_.buffer() += body_;
   } else {
+    const std::string head = style_ == Style::framed ? "  " : "event answer " + name + " ";
     std::string_view rest = body_;
     while (!rest.empty()) {
       const std::size_t end = std::min(rest.find('\n'), rest.size() - 1);
-      out_.buffer().append("  ").append(rest.substr(0, end + 1));
+      out_.buffer().append(head).append(rest.substr(0, end + 1));
       rest.remove_prefix(end + 1);
     }
-    if (!tag_.empty() && status) out_.buffer().append("@").append(tag_).append(" ok\n");
+    if (style_ == Style::framed && !tag_.empty() && status) out_.buffer().append("@").append(tag_).append(" ok\n");
   }
   body_.clear();
   if (out_.pending() > 64 * 1024) manager.acknowledge();
@@ -335,7 +336,7 @@ void Session::event(std::string_view text) {
     missed_ = 0;
     event(missed);
   }
-  if (style_ == Style::framed)
+  if (style_ != Style::people)
     out_.buffer().append(text).append("\n");
   else
     errors_.write(std::string(text) + "\n");

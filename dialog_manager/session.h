@@ -30,8 +30,10 @@ struct Input {
 /// the next line when that has ended. Errors stop it, unless it keeps going.
 class Session : public Source {
  public:
-  /// How replies look: body and errors for people, or framed lines for programs.
-  enum class Style { people, framed };
+  /// How replies look: body and errors for people, or framed lines for programs. Who speaks beside a framed
+  /// conversation is answered with events on it ("event answer NAME LINE"), so that his answers are nobody else's; his
+  /// errors are those for people.
+  enum class Style { people, framed, beside };
 
   Session(std::string session_name, Style style, channel::Writer& out, channel::Writer& errors);
   /// Lines are at most this long, with their newline: 64 KiB, or PIPE_BUF on a FIFO, where longer ones may be torn.

@@ -50,7 +50,9 @@ Status Speakers::listen(const std::string& path) {
   Result<Input> input = fifo_input(path);
   if (!input) return input.error();
   if (input->live->failed()) return deaf_to(path, ErrorKind::limit, "too many open files");
-  auto session = std::make_unique<Session>(path, Session::Style::people, manager_.out(), manager_.errors());
+  auto session =
+      std::make_unique<Session>(path, manager_.options().framed ? Session::Style::beside : Session::Style::people,
+                                manager_.out(), manager_.errors());
   session->id = manager_.add_source(path);
   session->keep_going(true);
   session->limit_lines(4096);
@@ -65,6 +67,8 @@ Status Speakers::unlisten(const std::string& path) {
   const auto speaker = std::find_if(all_.begin(), all_.end(), [&](const auto& each) { return each->name == path; });
   if (speaker == all_.end()) return Error{ErrorKind::unknown, path + " is not listened to", 0};
   if (manager_.history.in_transaction_of(**speaker)) manager_.history.roll_back_open();
+  manager_.watches.remove(**speaker);
+  manager_.dispatch.forget(**speaker);
   // a session cannot be taken away while it speaks; it ends when its lines do
   (*speaker)->stop();
   ending_.push_back(std::move(*speaker));

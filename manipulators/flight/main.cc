@@ -34,6 +34,8 @@ objdb::Quat quat_of(const Eigen::Quaterniond& q) { return {q.w(), q.x(), q.y(), 
 class Flight {
  public:
   Flight() : me_("flight", declaration) {
+    // all that it knows it has been told
+    me_.on_checkpoint([] {});
     me_.on_tick([this](const kit::Tick& tick) {
       for (const Object* flier : me_.objects("flier")) fly(*flier, tick.time);
       for (const Object* wing : me_.objects("wing")) beat(*wing, tick.time);

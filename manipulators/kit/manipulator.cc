@@ -14,6 +14,9 @@ namespace {
 
 using namespace objdb;
 
+// the language that is spoken here
+constexpr std::string_view protocol = "1";
+
 void complain(const std::string& sentence) { std::fprintf(stderr, "%s\n", sentence.c_str()); }
 
 template <class T>
@@ -187,19 +190,33 @@ void Manipulator::hear(std::string_view line) {
 
 void Manipulator::hear_hello(Words words) {
   bool shares = false;
+  std::string_view spoken = "1";
   for (const Word& word : words) {
     const std::size_t equals = word.text.find('=');
     if (equals == std::string_view::npos) continue;
     const std::string_view key = word.text.substr(0, equals), value = word.text.substr(equals + 1);
+    if (key == "protocol") spoken = value;
     if (key == "name") hello_.name = value;
     if (key == "seed") hello_.seed = parse<std::uint64_t>(value, 0);
     if (key == "probe") shares = shares_memory(std::string(value)) && arrays_wanted();
     if (key == "tick") hello_.tick = parse(value, hello_.tick);
   }
+  if (spoken != protocol) {
+    refuse_to_serve(
+        {ErrorKind::unknown, "protocol is " + std::string(spoken) + ", expected " + std::string(protocol), 0});
+    return;
+  }
   output_ += declarations_;
   if (checkpoint_) say("checkpoint");
   say(shares ? "arrays=shm" : "arrays=text");
   say("ready");
+}
+
+// the manager tells it to whoever started the program
+void Manipulator::refuse_to_serve(const Error& error) {
+  say("error " + std::string(name_of(error.kind)) + " 1 " + error.sentence);
+  quit_ = true;
+  status_ = 1;
 }
 
 void Manipulator::hear_budget(Words words) {

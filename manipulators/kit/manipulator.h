@@ -107,6 +107,7 @@ class Manipulator {
   void hear_put(objdb::Words words);
   void hear_hello(objdb::Words words);
   void hear_budget(objdb::Words words);
+  void refuse_to_serve(const objdb::Error& error);
   void answer(const objdb::LineWords& words);
   void flush();
 

@@ -53,6 +53,31 @@ class Fifo(Case):
         self.assertFalse([event for event in manager.events if "error" in event], manager.events[:3])
         self.assertFalse([line for line in manager.errors if "error" in line], manager.errors[:3])
 
+    def test_answers_stand_apart_from_those_of_a_framed_conversation(self):
+        manager = self.manager()
+        for line in ("create sphere ball position 1 2 3", "listen ear"):
+            manager.must(line)
+        with open(self.folder / "ear", "w") as ear:
+            ear.write("get ball.position\nlist ball\nget nobody.position\nwatch ball\n")
+        manager.event("^event answer ear 1 2 3$")
+        manager.event("^event answer ear ball")
+        until(lambda: any(line.startswith("ear:3:5: error unknown") for line in manager.errors), "the error")
+        self.assertEqual(manager.must("get ball.position"), "1 2 3")
+        manager.must("set ball.position 4 5 6")
+        manager.event("^event ball.position 4 5 6$")
+
+    def test_who_is_not_listened_to_any_more_is_told_nothing(self):
+        manager = self.manager()
+        for line in ("create sphere ball", "listen ear"):
+            manager.must(line)
+        with open(self.folder / "ear", "w") as ear:
+            ear.write("watch ball\nmonitor on\necho there\n")
+        manager.event("^event answer ear there$")
+        manager.must("unlisten ear")
+        for n in range(100):
+            manager.must(f"set ball.position {n} 2 3")
+        self.assertFalse([event for event in manager.events if " 77 2 3" in event])
+
     def test_longer_lines_are_refused(self):
         manager = self.listening()
         before = manager.hash()

@@ -208,6 +208,20 @@ class Supervision(Case):
         self.assertEqual(manager.must("get t.n"), "3")
         self.assertEqual(self.column(manager, "refused", "tortoise"), "0")
 
+    # -- a program that says why it cannot be
+
+    def test_an_error_before_ready_is_told_to_who_starts_it(self):
+        self.file("blind", "#!/bin/sh\nread hello\necho error io no display, expected DISPLAY to be set\n")
+        os.chmod(self.folder / "blind", 0o755)
+        manager = self.manager()
+        manager.refused("start ./blind", "io", "^blind: no display, expected DISPLAY to be set$")
+        self.assertEqual(manager.must("manipulators"), "")
+
+    def test_a_program_of_the_kit_refuses_another_protocol(self):
+        done = sailor.subprocess.run([str(sailor.BIN / "flight")], input=b"hello protocol=2 name=flight\ntick 1 0.1 0.1\n", cwd=self.folder,
+                                     capture_output=True, timeout=sailor.PATIENCE, check=False)
+        self.assertEqual((done.returncode, done.stdout, done.stderr), (1, b"error unknown 1 protocol is 2, expected 1\n", b""))
+
     # -- a killer that kills more often than a program may be started
 
     def storm(self, seed, between):

@@ -51,17 +51,18 @@ ArrayFile::~ArrayFile() {
   if (file_ >= 0) ::close(file_);
 }
 
-Result<std::string> ArrayFile::add(std::span<const double> numbers) {
+Result<std::string> ArrayFile::add(const Numbers& numbers) {
   const char* bytes = reinterpret_cast<const char*>(numbers.data());
+  const std::size_t size = numbers.span().size_bytes();
   std::size_t done = 0;
-  while (done < numbers.size_bytes()) {
-    const ssize_t count = ::pwrite(file_, bytes + done, numbers.size_bytes() - done, static_cast<off_t>(size_ + done));
+  while (done < size) {
+    const ssize_t count = ::pwrite(file_, bytes + done, size - done, static_cast<off_t>(size_ + done));
     if (count < 0 && errno == EINTR) continue;
     if (count <= 0) return io_error(path_, "cannot grow");
     done += static_cast<std::size_t>(count);
   }
   char check[17] = {};
-  std::to_chars(check, check + 16, hash_numbers(numbers), 16);
+  std::to_chars(check, check + 16, numbers.hash(), 16);
   std::string out = "count=" + std::to_string(numbers.size()) + " at=" + std::to_string(size_) + " check=" + check;
   size_ += done;
   unsynced_ = true;

@@ -2,10 +2,10 @@
 
 #include <cstdint>
 #include <memory>
-#include <span>
 #include <string>
 #include <vector>
 
+#include "objdb/numbers.h"
 #include "objdb/result.h"
 #include "objdb/text.h"
 
@@ -24,7 +24,7 @@ class ArrayFile {
   ArrayFile& operator=(const ArrayFile&) = delete;
 
   /// Hands the numbers to the system: "count=N at=BYTE check=HEX". Error io: nothing was added.
-  objdb::Result<std::string> add(std::span<const double> numbers);
+  objdb::Result<std::string> add(const objdb::Numbers& numbers);
   /// Waits for the disk. False: it breaks.
   bool sync();
 

@@ -4,21 +4,26 @@
 #include <cstdint>
 #include <memory>
 #include <string>
-#include <vector>
 
 #include "objdb/result.h"
 
 namespace manager {
 
-/// Memory that a program fills with the numbers of one array and others read (docs/programs.md): three slots, in turn,
-/// so that what was announced stays as it is while the next is filled. Sealed against growing and shrinking, its pages
-/// there from the start: touching it cannot fail. It goes with the last process that has it open.
+/// Memory that processes share, in slots that hold one array each (docs/programs.md). Sealed against growing and
+/// shrinking, its pages there from the start: touching it cannot fail. It goes with the last process that has it open.
 class ArrayMemory {
  public:
-  static constexpr std::uint64_t slots = 3;
+  /// Who writes it: the program that it is given to, or the manager alone. What is the manager's nobody else can map
+  /// to write, the kernel sees to that.
+  enum class Writer { program, manager };
 
-  /// Room for `capacity` numbers a slot. Errors: limit (no memory, no descriptor).
-  static objdb::Result<std::shared_ptr<ArrayMemory>> make(std::size_t capacity);
+  /// Head of a slot. Written last: then the slot holds the numbers of this sequence.
+  struct Head {
+    std::uint64_t sequence, count;
+  };
+
+  /// `slots` slots with room for `capacity` numbers each. Errors: limit (no memory, no descriptor).
+  static objdb::Result<std::shared_ptr<ArrayMemory>> make(std::size_t capacity, std::size_t slots, Writer writer);
   ~ArrayMemory();
   ArrayMemory(const ArrayMemory&) = delete;
   ArrayMemory& operator=(const ArrayMemory&) = delete;
@@ -26,19 +31,19 @@ class ArrayMemory {
   /// Where another process opens it.
   std::string path() const;
   std::size_t capacity() const { return capacity_; }
+  std::size_t slots() const { return slots_; }
   /// Given once in the life of the manager.
   std::uint64_t serial() const { return serial_; }
 
-  /// The numbers of slot `sequence % slots`, which must be those of this sequence before and after they were copied.
-  /// Errors: range (another sequence, too many, a number that is not finite).
-  objdb::Result<std::vector<double>> read(std::uint64_t sequence) const;
+  Head* head(std::size_t slot) const;
+  double* numbers(std::size_t slot) const;
 
  private:
   ArrayMemory() = default;
 
   int file_ = -1;
   std::byte* bytes_ = nullptr;
-  std::size_t size_ = 0, capacity_ = 0;
+  std::size_t size_ = 0, capacity_ = 0, slots_ = 0;
   std::uint64_t serial_ = 0;
 };
 

@@ -16,6 +16,11 @@ bool built_in(const Type& type, const Field* field) {
   return known != nullptr && (field == nullptr || known->find(field->name) >= 0);
 }
 
+bool is_long(const Value& value) {
+  const auto* numbers = std::get_if<Numbers>(&value);
+  return numbers != nullptr && numbers->size() >= long_array;
+}
+
 // what a reference names may have gone since
 void drop_dead(Value& value, const Database& world) {
   const auto drop = [&](std::int64_t& id) {
@@ -28,8 +33,8 @@ void drop_dead(Value& value, const Database& world) {
 
 }  // namespace
 
-Briefing::Briefing(Database& world, SharedArrays& arrays, const Declaration& declaration, std::string serving)
-    : world_(world), arrays_(arrays), declaration_(declaration), serving_(std::move(serving)) {}
+Briefing::Briefing(Database& world, const Declaration& declaration, std::string serving)
+    : world_(world), declaration_(declaration), serving_(std::move(serving)) {}
 
 Briefing::~Briefing() { end(); }
 
@@ -138,13 +143,16 @@ void Briefing::meet(const Object& object, Tale& tale) {
 
 void Briefing::introduce(Tale& tale, const std::vector<const Object*>& objects) {
   for (const Object* object : objects) told_[object->id] = ++count_told_;
-  append_objects(tale.text, world_, objects,
-                 [&](const Object& object, const Field& field) { return wants(object, object.type->find(field)); });
+  append_objects(tale.text, world_, objects, [&](const Object& object, const Field& field) {
+    const int index = object.type->find(field);
+    return wants(object, index) && !is_long(object.value(index));
+  });
   for (const Object* object : objects) {
     const Interest& wanted = interest(*object->type);
     for (std::size_t i = 0; i < object->slots.size(); ++i)
-      if (wanted.fields[i] != 0 && object->type->fields()[i]->derived)
-        append_set(tale.text, world_, *object, static_cast<int>(i));
+      if (wanted.fields[i] != 0 && (object->type->fields()[i]->derived ||
+                                    (is_long(object->slots[i].value) && !object->is_default(static_cast<int>(i)))))
+        say(*object, static_cast<int>(i), tale);
   }
 }
 
@@ -177,7 +185,7 @@ void Briefing::own(Tale& tale) {
     if (object->place && field == scene::Scene::parent)
       moved.push_back(id);
     else
-      say(*object, field, tale, false, false);
+      say(*object, field, tale);
   }
   for (const ObjectId node : world_.scene().top_down(moved))
     append_set(tale.text, world_, *world_.object(node), scene::Scene::parent);
@@ -185,68 +193,35 @@ void Briefing::own(Tale& tale) {
 
 // -- what changed
 
-// a long array: how the program is told of it now, and what it is told when it must be told again
-Tale::Put Briefing::put(const Object& object, int field, bool in_tick, bool live) {
-  Tale::Put out{0, {}, arrays_.frame(object, field)};
-  if (!live) return out;
-  const SharedArrays::Announced* announced =
-      in_tick && declaration_.shares_arrays() ? arrays_.announced(object, field) : nullptr;
-  if (announced == nullptr) {
-    append_set(out.line, world_, object, field);
-    return out;
-  }
-  const std::string head = object.path + "." + object.type->field(field).name;
-  std::uint64_t& shown = shown_[{object.id, field}];
-  if (shown != announced->memory->serial()) {
-    shown = announced->memory->serial();
-    out.line = "array " + head + " read=" + announced->memory->path() +
-               " capacity=" + std::to_string(announced->memory->capacity()) + "\n";
-  }
-  out.line += "put " + head + " slot=" + std::to_string(announced->sequence % ArrayMemory::slots) +
-              " seq=" + std::to_string(announced->sequence) + "\n";
-  return out;
-}
-
-void Briefing::say(const Object& object, int field, Tale& tale, bool in_tick, bool live) {
-  if (!is_long(object.value(field))) {
-    append_set(tale.text, world_, object, field);
-    return;
-  }
-  tale.puts.push_back(put(object, field, in_tick, live));
-  tale.puts.back().at = tale.text.size();
-}
-
-void Briefing::hold(const Object& object, int field, bool live) {
-  if (is_long(object.value(field)))
-    held_.push_back({object.id, field, {}, put(object, field, true, live)});
+void Briefing::say(const Object& object, const Field& field, const Value& value, Tale& tale) {
+  if (is_long(value))
+    tale.arrays.push_back({tale.text.size(), {object.id, object.path, &field, std::get<Numbers>(value)}});
   else
-    held_.push_back({object.id, field, world_.value(object, field), {}});
+    append_set(tale.text, world_, object.path, field, value);
 }
 
-void Briefing::say_held(Tale& tale, bool in_tick, bool live) {
+void Briefing::say(const Object& object, int field, Tale& tale) {
+  const Field& declared = object.type->field(field);
+  if (declared.derived)
+    append_set(tale.text, world_, object, field);
+  else
+    say(object, declared, object.value(field), tale);
+}
+
+void Briefing::say_held(Tale& tale) {
   const std::vector<Held> held = std::move(held_);
   held_.clear();
   for (const Held& each : held) {
     const Object* object = world_.object(each.object);
     if (object == nullptr || !told(each.object)) continue;
     const Field& field = object->type->field(each.field);
-    if (each.put.frame) {
-      tale.puts.push_back(each.put);
-      tale.puts.back().at = tale.text.size();
-      // outside of a tick the memory may be filled anew before the program has read it
-      if (!in_tick && live) {
-        tale.puts.back().line.clear();
-        append_set(tale.puts.back().line, world_, object->path, field, each.put.frame->values);
-      }
-      continue;
-    }
     Value value = each.value;
     if (field.holds_refs()) drop_dead(value, world_);
-    append_set(tale.text, world_, object->path, field, value);
+    say(*object, field, value, tale);
   }
 }
 
-void Briefing::changes(Tale& tale, std::uint64_t tick, bool live) {
+void Briefing::changes(Tale& tale, std::uint64_t tick) {
   if (new_fields_) {
     new_fields_ = false;
     const std::vector<const Type*> types = told_types_;
@@ -275,7 +250,7 @@ void Briefing::changes(Tale& tale, std::uint64_t tick, bool live) {
   introduce(tale, fresh_);
 
   // what a delayed read held back in the last tick comes before the news
-  say_held(tale, tick != 0, live);
+  say_held(tale);
   for (const auto& [object, field] : changes) {
     if (std::binary_search(fresh_.begin(), fresh_.end(), object,
                            [](const Object* a, const Object* b) { return a->id < b->id; }))
@@ -285,9 +260,9 @@ void Briefing::changes(Tale& tale, std::uint64_t tick, bool live) {
     if (slot.origin.source == reader_ && !object->type->field(field).derived) continue;
     const bool delayed = interest(*object->type).fields[static_cast<std::size_t>(field)] == 2;
     if (delayed && tick != 0 && slot.origin.tick == tick)
-      hold(*object, field, live);
+      held_.push_back({object->id, field, world_.value(*object, field)});
     else
-      say(*object, field, tale, tick != 0, live);
+      say(*object, field, tale);
   }
   fresh_.clear();
 }

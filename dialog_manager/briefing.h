@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <map>
 #include <string>
 #include <string_view>
 #include <unordered_map>
@@ -10,7 +9,6 @@
 #include <vector>
 
 #include "dialog_manager/declaration.h"
-#include "dialog_manager/shared_arrays.h"
 #include "dialog_manager/tale.h"
 #include "objdb/database.h"
 
@@ -21,8 +19,7 @@ namespace manager {
 class Briefing {
  public:
   /// `declaration` is what the program declared, `serving` the objects that it is to serve ("" for all).
-  /// `arrays` knows which values stand in shared memory.
-  Briefing(objdb::Database& world, SharedArrays& arrays, const Declaration& declaration, std::string serving);
+  Briefing(objdb::Database& world, const Declaration& declaration, std::string serving);
   ~Briefing();
   Briefing(const Briefing&) = delete;
   Briefing& operator=(const Briefing&) = delete;
@@ -33,11 +30,7 @@ class Briefing {
   /// Follows the world no longer.
   void end();
   /// What changed since the last call. `tick`: the one under way, whose values a delayed read does not see; 0: none.
-  /// Only in a tick are arrays told by reference: until it has answered, what it was told stays as it is. A program
-  /// that does not `live`, but is told it again later, is told no numbers now.
-  void changes(Tale& tale, std::uint64_t tick, bool live);
-  /// Another life of the program begins, which has opened no memory yet.
-  void begin_life() { shown_.clear(); }
+  void changes(Tale& tale, std::uint64_t tick);
   /// Everything that the program knows of the world, for a program that knows nothing. To be called after changes():
   /// then nothing is held back.
   void whole(Tale& tale);
@@ -62,7 +55,6 @@ class Briefing {
     objdb::ObjectId object;
     int field;
     objdb::Value value;
-    Tale::Put put;  // of a long array, instead
   };
 
   const Interest& interest(const objdb::Type& type);
@@ -73,13 +65,11 @@ class Briefing {
   void meet_targets(const objdb::Field& field, const objdb::Value& value, Tale& tale);
   void meet(const objdb::Object& object, Tale& tale);
   void introduce(Tale& tale, const std::vector<const objdb::Object*>& objects);
-  void hold(const objdb::Object& object, int field, bool live);
-  void say_held(Tale& tale, bool in_tick, bool live);
-  void say(const objdb::Object& object, int field, Tale& tale, bool in_tick, bool live);
-  Tale::Put put(const objdb::Object& object, int field, bool in_tick, bool live);
+  void say_held(Tale& tale);
+  void say(const objdb::Object& object, int field, Tale& tale);
+  void say(const objdb::Object& object, const objdb::Field& field, const objdb::Value& value, Tale& tale);
 
   objdb::Database& world_;
-  SharedArrays& arrays_;
   const Declaration& declaration_;
   std::string serving_;
   std::uint16_t reader_ = 0;
@@ -96,7 +86,6 @@ class Briefing {
   std::vector<const objdb::Object*> fresh_;  // met, not yet told
   std::vector<Held> held_;
   std::vector<std::pair<objdb::ObjectId, int>> owned_;
-  std::map<std::pair<objdb::ObjectId, int>, std::uint64_t> shown_;  // serial of the memory that it was told to open
 };
 
 }  // namespace manager

@@ -23,7 +23,7 @@ std::vector<double> components(const Value& value) {
   if (const auto* real = std::get_if<double>(&value)) return {*real};
   if (const auto* vec = std::get_if<Vec3>(&value)) return {vec->begin(), vec->end()};
   if (const auto* quat = std::get_if<Quat>(&value)) return {quat->begin(), quat->end()};
-  if (const auto* many = std::get_if<std::vector<double>>(&value)) return *many;
+  if (const auto* many = std::get_if<Numbers>(&value)) return many->vector();
   if (const auto* integer = std::get_if<std::int64_t>(&value)) return {static_cast<double>(*integer)};
   return {};
 }
@@ -57,7 +57,7 @@ Value element(const Field& field, const Value& value, std::size_t index) {
     if (words_of(field.kind) == 1) return value;
     return components(value)[index];
   }
-  if (const auto* numbers = std::get_if<std::vector<double>>(&value)) {
+  if (const auto* numbers = std::get_if<Numbers>(&value)) {
     const double* first = numbers->data() + index * static_cast<std::size_t>(words_of(field.kind));
     if (field.kind == Kind::vec3) return Vec3{first[0], first[1], first[2]};
     if (field.kind == Kind::quat) return Quat{first[0], first[1], first[2], first[3]};

@@ -175,7 +175,7 @@ Status Journal::reserve_tick() {
   return reserve(2 * longest_tick_ + closing_line);
 }
 
-Result<std::string> Journal::add_array(std::span<const double> numbers) {
+Result<std::string> Journal::add_array(const Numbers& numbers) {
   if (!arrays_) {
     Result<std::unique_ptr<ArrayFile>> opened = ArrayFile::open(ArrayFile::path_of(path_));
     if (!opened) return opened.error();

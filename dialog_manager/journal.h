@@ -5,7 +5,6 @@
 #include <deque>
 #include <memory>
 #include <optional>
-#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -50,7 +49,7 @@ class Journal {
   /// The same for a whole tick, as long as twice the longest so far.
   objdb::Status reserve_tick();
   /// Keeps the numbers of a long array beside the journal: the words that tell where. Error io.
-  objdb::Result<std::string> add_array(std::span<const double> numbers);
+  objdb::Result<std::string> add_array(const objdb::Numbers& numbers);
   void add(std::uint64_t tick, std::string_view source, std::string_view prefix, std::string_view line);
   /// Hands what was added to the system, and to the disk as the policy wants it. Call before acknowledging. Error io:
   /// the disk breaks, and what was added since the last good call may be lost; every later call says so again.

@@ -31,8 +31,8 @@ struct Picture {
 
 // of two arrays the first element that differs
 std::size_t first_difference(const Field& field, const Value& a, const Value& b) {
-  const auto* left = std::get_if<std::vector<double>>(&a);
-  const auto* right = std::get_if<std::vector<double>>(&b);
+  const auto* left = std::get_if<Numbers>(&a);
+  const auto* right = std::get_if<Numbers>(&b);
   if (left == nullptr || right == nullptr) return 0;
   std::size_t i = 0;
   while (i < left->size() && i < right->size() && same_bits((*left)[i], (*right)[i])) ++i;

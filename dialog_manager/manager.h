@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "dialog_manager/array_memory.h"
 #include "dialog_manager/budget.h"
 #include "dialog_manager/channel/loop.h"
 #include "dialog_manager/clock.h"
@@ -20,7 +21,6 @@
 #include "dialog_manager/recorder.h"
 #include "dialog_manager/schedule.h"
 #include "dialog_manager/session.h"
-#include "dialog_manager/shared_arrays.h"
 #include "dialog_manager/speakers.h"
 #include "dialog_manager/trace.h"
 #include "dialog_manager/watches.h"
@@ -56,7 +56,6 @@ class Manager {
   Clock clock;
   Schedule schedule;
   LineLog lines;
-  SharedArrays arrays;
   History history{world};
   Dispatch dispatch{*this};
   Recorder recorder{*this};

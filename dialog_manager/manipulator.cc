@@ -24,8 +24,9 @@ Manipulator::Manipulator(Manager& manager, std::string program_name, std::string
       argv_(std::move(argv)),
       handshake_(manager, *this),
       rights_(manager, *this),
-      story_(manager.world, manager.arrays, declared_, std::move(serving)),
-      arrays_(manager.world, manager.arrays) {
+      story_(manager.world, declared_, std::move(serving)),
+      shown_(manager.world),
+      arrays_(manager.world) {
   name = std::move(program_name);
   gate = &rights_;
 }
@@ -80,7 +81,7 @@ void Manipulator::done(std::string_view line) {
     last_ms_ = std::chrono::duration<double, std::milli>(Wall::now() - asked_at_).count();
   }
   refusals_.accepted();
-  set_deadline();
+  heard_from();
 }
 
 // what it says in a tick counts when the tick's turn comes
@@ -143,7 +144,7 @@ void Manipulator::refuse(const Error& error) {
 // the numbers of an array in shared memory are taken as soon as they are announced. False: it was refused.
 bool Manipulator::fill(std::string_view line) {
   Status filled = words_.split(line);
-  if (filled) filled = arrays_.fill(words_.words(), name);
+  if (filled) filled = arrays_.fill(words_.words(), name, [this](const std::string& event) { manager_.event(event); });
   if (!filled) refuse(filled.error());
   return filled.ok();
 }
@@ -157,7 +158,17 @@ void Manipulator::say(std::string_view text) {
 
 void Manipulator::tell(const Tale& tale) {
   if (input() != nullptr && state() != State::handshaking && !manager_.playback.replaying())
-    tale.append_to(input()->buffer());
+    tale.append_to(input()->buffer(), frames_said());
+}
+
+SayFrame Manipulator::frames_said() {
+  return [this](std::string& out, const Frame& frame) { shown_.say(out, frame, declared_.shares_arrays()); };
+}
+
+// who owes nothing any more has read all that it was told before it was asked
+void Manipulator::heard_from() {
+  set_deadline();
+  if (!owes()) shown_.all_read();
 }
 
 void Manipulator::tell_to_act(std::string_view line) {
@@ -165,10 +176,7 @@ void Manipulator::tell_to_act(std::string_view line) {
   say(line);
 }
 
-void Manipulator::tell_changes() {
-  tell(story_.changes(manager_.in_tick() ? manager_.clock.tick() + 1 : 0,
-                      !manager_.playback.replaying() && state() == State::active));
-}
+void Manipulator::tell_changes() { tell(story_.changes(manager_.in_tick() ? manager_.clock.tick() + 1 : 0)); }
 
 // everything it was told, once more; what it answers up to where it was has been carried out
 void Manipulator::tell_again() {
@@ -179,11 +187,11 @@ void Manipulator::tell_again() {
   requests_.drop_body();
   if (story_.lost()) {
     // it knows nothing yet of what these changes are about: they are in what it is told
-    (void)story_.changes(0, false);
+    (void)story_.changes(0);
     repetition_.forget();
   }
   repetition_.begin();
-  input()->write(story_.retell(answer_.tick() ? tick_line_ : std::string()));
+  input()->write(story_.retell(answer_.tick() ? tick_line_ : std::string(), frames_said()));
   if (answer_.state_owed()) input()->write("checkpoint\n");
   input()->flush();
   set_deadline();
@@ -345,7 +353,7 @@ std::uint64_t Manipulator::ask(std::string_view line) {
 void Manipulator::reply_line(std::string_view line) {
   if (requests_.close(line)) {
     repetition_.finished(line);
-    set_deadline();
+    heard_from();
     return;
   }
   // a second answer after a restart is nothing to complain about

@@ -18,6 +18,7 @@
 #include "dialog_manager/requests.h"
 #include "dialog_manager/restart_policy.h"
 #include "dialog_manager/rights.h"
+#include "dialog_manager/shown_arrays.h"
 #include "dialog_manager/story.h"
 
 namespace manager {
@@ -165,6 +166,8 @@ class Manipulator : public Source {
   void tell_again();
   void tell(const Tale& tale);
   void tell_to_act(std::string_view line);
+  SayFrame frames_said();
+  void heard_from();
   void say(std::string_view text);
 
   Manager& manager_;
@@ -183,6 +186,7 @@ class Manipulator : public Source {
   Handshake handshake_;
   Rights rights_;
   Story story_;
+  ShownArrays shown_;
   Repetition repetition_;
   bool resumed_ = false;
   bool written_before_ = false;  // the journal says what it wrote down

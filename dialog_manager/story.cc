@@ -9,10 +9,10 @@ Tale Story::begin(std::uint16_t reader) {
   return tale;
 }
 
-Tale Story::changes(std::uint64_t tick, bool live) {
+Tale Story::changes(std::uint64_t tick) {
   Tale tale;
   if (!begun()) return tale;
-  briefing_.changes(tale, tick, live);
+  briefing_.changes(tale, tick);
   log_.world(tale);
   return tale;
 }
@@ -43,12 +43,12 @@ void Story::forget_the_past() {
   log_.checkpoint(own, &whole);
 }
 
-std::string Story::retell(std::string_view act) {
+std::string Story::retell(std::string_view act, const SayFrame& say) {
   if (log_.lost()) {
     forget_the_past();
     log_.act(act);
   }
-  return log_.retell(world_);
+  return log_.retell(say);
 }
 
 }  // namespace manager

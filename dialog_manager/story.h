@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include "dialog_manager/briefing.h"
 #include "dialog_manager/told_log.h"
@@ -13,8 +14,8 @@ namespace manager {
 /// of it can be told the same.
 class Story {
  public:
-  Story(objdb::Database& world, SharedArrays& arrays, const Declaration& declaration, std::string serving)
-      : world_(world), briefing_(world, arrays, declaration, std::move(serving)) {}
+  Story(objdb::Database& world, const Declaration& declaration, std::string serving)
+      : briefing_(world, declaration, std::move(serving)) {}
 
   Briefing& briefing() { return briefing_; }
   const Briefing& briefing() const { return briefing_; }
@@ -22,8 +23,8 @@ class Story {
 
   /// Its words are known by this number: its part of the world, whole.
   Tale begin(std::uint16_t reader);
-  /// What changed since; arguments as those of Briefing::changes().
-  Tale changes(std::uint64_t tick, bool live);
+  /// What changed since, in a tick or (0) outside of one, as Briefing::changes().
+  Tale changes(std::uint64_t tick);
   /// What the scene wants, which is told like the world.
   Tale budget(const std::string& line);
   /// A tick or a verb.
@@ -31,8 +32,9 @@ class Story {
 
   /// It has written down its state: what it was told before need not be told again.
   void checkpoint();
-  /// Everything once more. When more was told than is kept, the world as it stands, and `act`, what it is acting on.
-  std::string retell(std::string_view act);
+  /// Everything once more, arrays by `say`. When more was told than is kept, the world as it stands, and `act`, what it
+  /// is acting on.
+  std::string retell(std::string_view act, const SayFrame& say);
   /// What it was told is not to be told again: then the world as it stands.
   void lose() { log_.lose(); }
   /// More was told than is kept.
@@ -45,7 +47,6 @@ class Story {
  private:
   void forget_the_past();
 
-  objdb::Database& world_;
   Briefing briefing_;
   ToldLog log_;
   std::string budget_;  // as it was told last, "" for never

@@ -26,7 +26,6 @@ Status Manipulator::launch() {
   restart_policy_.started(Wall::now());
   deadline_ = Wall::now() + handshake_limit;
   arrays_.begin_life();
-  story_.briefing().begin_life();
   input()->write(handshake_.begin());
   input()->flush();
   return {};
@@ -73,6 +72,7 @@ void Manipulator::quit() {
 void Manipulator::lose_child() {
   pass_errors_on();
   child_.reset();
+  shown_.end_life();
 }
 
 void Manipulator::end_by_force(const std::string& how) {

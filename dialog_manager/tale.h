@@ -1,40 +1,42 @@
 #pragma once
 
-#include <memory>
+#include <cstddef>
+#include <functional>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "objdb/database.h"
 
 namespace manager {
 
-/// An array as it was told, kept for as long as it may have to be told again.
+/// A long array as it is told. It can be told again for as long as this is kept.
 struct Frame {
+  objdb::ObjectId object = 0;
   std::string path;
   const objdb::Field* field = nullptr;
-  objdb::Value values;  ///< std::vector<double>
+  objdb::Numbers numbers;
 };
 
-/// What a program is told at once: lines, and between them arrays that stand in shared memory.
+/// Appends the lines that tell a program of an array.
+using SayFrame = std::function<void(std::string& out, const Frame& frame)>;
+
+/// What a program is told at once: lines, and between them long arrays, for which each life of a program has lines of
+/// its own.
 struct Tale {
-  /// Stands before text[at]. `line` announces it to the program as it lives now; the memory will hold other numbers
-  /// when the tale is told again, from `frame`.
-  struct Put {
-    std::size_t at = 0;
-    std::string line;
-    std::shared_ptr<const Frame> frame;
+  struct Array {
+    std::size_t at = 0;  ///< stands before text[at]
+    Frame frame;
   };
   std::string text;
-  std::vector<Put> puts;
+  std::vector<Array> arrays;
 
-  bool empty() const { return text.empty() && puts.empty(); }
-  /// The lines as the program reads them now.
-  void append_to(std::string& out) const {
+  bool empty() const { return text.empty() && arrays.empty(); }
+  void append_to(std::string& out, const SayFrame& say) const {
     std::size_t from = 0;
-    for (const Put& put : puts) {
-      out.append(text, from, put.at - from).append(put.line);
-      from = put.at;
+    for (const Array& array : arrays) {
+      out.append(text, from, array.at - from);
+      say(out, array.frame);
+      from = array.at;
     }
     out.append(text, from);
   }

@@ -2,8 +2,7 @@
 
 #include <algorithm>
 #include <set>
-
-#include "objdb/statement.h"
+#include <utility>
 
 namespace manager {
 namespace {
@@ -15,32 +14,30 @@ constexpr std::size_t longest = 256u << 20;
 // lines of changes that are kept at least, before they are replaced by what they led to
 constexpr std::size_t least_changes = 256u << 10;
 
-std::size_t bytes_of(const Frame* frame) {
-  return frame == nullptr ? 0 : std::get<std::vector<double>>(frame->values).size() * sizeof(double);
-}
+std::size_t bytes_of(const std::optional<Frame>& frame) { return frame ? frame->numbers.span().size_bytes() : 0; }
 
 }  // namespace
 
-void ToldLog::add(Pieces& to, bool act, std::string_view text, std::shared_ptr<const Frame> frame) {
+void ToldLog::add(Pieces& to, bool act, std::string_view text, std::optional<Frame> frame) {
   to.text += text.size();
-  to.frames += bytes_of(frame.get());
+  to.frames += bytes_of(frame);
   if (to.pieces.empty() || to.pieces.back().act != act || to.pieces.back().frame) to.pieces.push_back({act, {}, {}});
   to.pieces.back().text += text;
   to.pieces.back().frame = std::move(frame);
 }
 
 void ToldLog::drop_frame(Pieces& from, Piece& piece) {
-  from.frames -= bytes_of(piece.frame.get());
+  from.frames -= bytes_of(piece.frame);
   piece.frame.reset();
 }
 
 void ToldLog::add(Pieces& to, const Tale& tale) {
   std::size_t from = 0;
-  for (const Tale::Put& put : tale.puts) {
-    add(to, false, std::string_view(tale.text).substr(from, put.at - from), put.frame);
-    from = put.at;
+  for (const Tale::Array& array : tale.arrays) {
+    add(to, false, std::string_view(tale.text).substr(from, array.at - from), array.frame);
+    from = array.at;
   }
-  if (from < tale.text.size()) add(to, false, std::string_view(tale.text).substr(from), nullptr);
+  if (from < tale.text.size()) add(to, false, std::string_view(tale.text).substr(from), std::nullopt);
 }
 
 void ToldLog::world(const Tale& tale) {
@@ -51,7 +48,7 @@ void ToldLog::world(const Tale& tale) {
 
 void ToldLog::act(std::string_view line) {
   if (lost_) return;
-  add(since_, true, line, nullptr);
+  add(since_, true, line, std::nullopt);
   limit();
 }
 
@@ -82,12 +79,12 @@ void ToldLog::checkpoint(const Tale& own, const Tale* whole) {
   add(own_, own);
 }
 
-std::string ToldLog::retell(const Names& names) const {
+std::string ToldLog::retell(const SayFrame& say) const {
   std::string out;
   for (const Pieces* all : {&whole_, &changes_, &own_, &since_})
     for (const Piece& piece : all->pieces) {
       out += piece.text;
-      if (piece.frame) append_set(out, names, piece.frame->path, *piece.frame->field, piece.frame->values);
+      if (piece.frame) say(out, *piece.frame);
     }
   return out;
 }

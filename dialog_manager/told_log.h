@@ -1,7 +1,7 @@
 #pragma once
 
 #include <cstdint>
-#include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -26,8 +26,8 @@ class ToldLog {
   void checkpoint(const Tale& own, const Tale* whole);
   bool wants_whole() const;
 
-  /// Everything once more, arrays as text.
-  std::string retell(const objdb::Names& names) const;
+  /// Everything once more.
+  std::string retell(const SayFrame& say) const;
 
   /// Bytes told since the last checkpoint, and all that are kept.
   std::size_t since() const { return size_of(since_); }
@@ -44,7 +44,7 @@ class ToldLog {
   struct Piece {
     bool act = false;
     std::string text;
-    std::shared_ptr<const Frame> frame;  // stands behind the text
+    std::optional<Frame> frame;  // stands behind the text
   };
   struct Pieces {
     std::vector<Piece> pieces;
@@ -52,7 +52,7 @@ class ToldLog {
   };
   static std::size_t size_of(const Pieces& all) { return all.text + all.frames; }
   static void drop_frame(Pieces& from, Piece& piece);
-  static void add(Pieces& to, bool act, std::string_view text, std::shared_ptr<const Frame> frame);
+  static void add(Pieces& to, bool act, std::string_view text, std::optional<Frame> frame);
   static void add(Pieces& to, const Tale& tale);
   void limit();
 

@@ -560,8 +560,10 @@ std::uint64_t Database::compute_hash(const Object& object) const {
             for (const double each : value) mix(std::bit_cast<std::uint64_t>(each));
           } else {
             mix(value.size());
+            if constexpr (std::is_same_v<T, Numbers>)
+              if (value.size() >= long_array) return mix(value.hash());
             for (const auto& each : value) {
-              if constexpr (std::is_same_v<T, std::vector<double>>)
+              if constexpr (std::is_same_v<T, Numbers>)
                 mix(std::bit_cast<std::uint64_t>(each));
               else if constexpr (std::is_same_v<T, std::vector<std::string>>)
                 hash = hash_text(each, hash);

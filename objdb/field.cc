@@ -100,7 +100,7 @@ Status check_word_count(const Field& field, Words words) {
 }
 
 // index of the first of four numbers that are all 0, or the size
-std::size_t null_rotation(const std::vector<double>& numbers) {
+std::size_t null_rotation(std::span<const double> numbers) {
   for (std::size_t i = 0; i + 3 < numbers.size(); i += 4)
     if (numbers[i] == 0 && numbers[i + 1] == 0 && numbers[i + 2] == 0 && numbers[i + 3] == 0) return i;
   return numbers.size();
@@ -348,14 +348,14 @@ Result<Value> parse_value(const Field& field, Words words, const Names& names) {
 
 std::size_t element_count(const Field& field, const Value& value) {
   if (!field.array) return 1;
-  if (const auto* numbers = std::get_if<std::vector<double>>(&value))
+  if (const auto* numbers = std::get_if<Numbers>(&value))
     return numbers->size() / static_cast<std::size_t>(words_of(field.kind));
   if (const auto* integers = std::get_if<std::vector<std::int64_t>>(&value)) return integers->size();
   return std::get<std::vector<std::string>>(value).size();
 }
 
 void append_element(std::string& out, const Field& field, const Value& value, std::size_t index, const Names& names) {
-  if (const auto* numbers = std::get_if<std::vector<double>>(&value)) {
+  if (const auto* numbers = std::get_if<Numbers>(&value)) {
     const auto each = static_cast<std::size_t>(words_of(field.kind));
     for (std::size_t i = 0; i < each; ++i) {
       if (i != 0) out += ' ';
@@ -435,6 +435,8 @@ Status check_value(const Field& field, const Value& value) {
     constexpr double most = std::numeric_limits<double>::max();
     const double low = field.ranged ? field.low : -most, high = field.ranged ? field.high : most;
     bool good = true;
+    if constexpr (std::is_same_v<std::decay_t<decltype(numbers)>, Numbers>)
+      if (!field.ranged && all_finite(numbers)) return {};
     for (const double x : numbers) good = good & (x >= low) & (x <= high);
     if (good) return {};
     for (const auto x : numbers)
@@ -447,7 +449,7 @@ Status check_value(const Field& field, const Value& value) {
     if (*quat == Quat{}) return Error{ErrorKind::range, field.name + " is 0 0 0 0, expected a rotation (w x y z)", 0};
     return check_all(*quat);
   }
-  if (const auto* numbers = std::get_if<std::vector<double>>(&value)) {
+  if (const auto* numbers = std::get_if<Numbers>(&value)) {
     if (field.kind == Kind::quat && null_rotation(*numbers) < numbers->size())
       return Error{ErrorKind::range, field.name + " has 0 0 0 0, expected a rotation (w x y z)", 0};
     return check_all(*numbers);

@@ -62,14 +62,20 @@ Result<Value> replace_elements(const Object& object, const Field& field, const T
   const Result<Value> parsed = parse_value(part, words, names);
   if (!parsed) return parsed.error();
   Value value = old;
+  const auto replace = [&](auto& elements, const auto& fresh) {
+    elements.resize(std::max(elements.size(), (target.last + 1) * each));
+    std::copy(fresh.begin(), fresh.end(), elements.begin() + static_cast<std::ptrdiff_t>(target.first * each));
+  };
   std::visit(
       [&](auto& elements) {
         using T = std::decay_t<decltype(elements)>;
-        if constexpr (std::is_same_v<T, std::vector<double>> || std::is_same_v<T, std::vector<std::int64_t>> ||
-                      std::is_same_v<T, std::vector<std::string>>) {
-          const T& fresh = std::get<T>(*parsed);
-          elements.resize(std::max(elements.size(), (target.last + 1) * each));
-          std::copy(fresh.begin(), fresh.end(), elements.begin() + static_cast<std::ptrdiff_t>(target.first * each));
+        if constexpr (std::is_same_v<T, Numbers>) {
+          std::vector<double> changed = elements.vector();
+          replace(changed, std::get<T>(*parsed));
+          elements = Numbers(std::move(changed));
+        } else if constexpr (std::is_same_v<T, std::vector<std::int64_t>> ||
+                             std::is_same_v<T, std::vector<std::string>>) {
+          replace(elements, std::get<T>(*parsed));
         }
       },
       value);

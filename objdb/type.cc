@@ -272,8 +272,8 @@ class FieldParser {
     if (Vec3* vec = std::get_if<Vec3>(&field_.standard)) vec->fill(nearest);
     if (std::int64_t* integer = std::get_if<std::int64_t>(&field_.standard))
       *integer = static_cast<std::int64_t>(nearest);
-    if (auto* numbers = std::get_if<std::vector<double>>(&field_.standard))
-      std::fill(numbers->begin(), numbers->end(), nearest);
+    if (auto* numbers = std::get_if<Numbers>(&field_.standard))
+      *numbers = Numbers(std::vector<double>(numbers->size(), nearest));
     if (auto* integers = std::get_if<std::vector<std::int64_t>>(&field_.standard))
       std::fill(integers->begin(), integers->end(), static_cast<std::int64_t>(nearest));
   }

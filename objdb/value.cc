@@ -34,18 +34,7 @@ bool same_bits(const Value& a, const Value& b) {
     case 3: return same(std::get_if<3>(&a), std::get_if<3>(&b));
     default: break;
   }
-  return std::visit(
-      [&](const auto& left) {
-        using T = std::decay_t<decltype(left)>;
-        const T& right = *std::get_if<T>(&b);
-        if constexpr (std::is_same_v<T, std::vector<double>>) {
-          return left.size() == right.size() &&
-                 (left.empty() || std::memcmp(left.data(), right.data(), left.size() * sizeof(double)) == 0);
-        } else {
-          return left == right;
-        }
-      },
-      a);
+  return a == b;
 }
 
 std::uint64_t hash_word(std::uint64_t hash, std::uint64_t word) {
@@ -54,18 +43,6 @@ std::uint64_t hash_word(std::uint64_t hash, std::uint64_t word) {
   hash = (hash ^ (hash >> 30)) * 0xbf58476d1ce4e5b9ull;
   hash = (hash ^ (hash >> 27)) * 0x94d049bb133111ebull;
   return hash ^ (hash >> 31);
-}
-
-std::uint64_t hash_numbers(std::span<const double> numbers) {
-  // four chains, so that one multiplication need not wait for the other
-  std::array<std::uint64_t, 4> lane = {0, 1, 2, 3};
-  std::size_t i = 0;
-  for (; i + 4 <= numbers.size(); i += 4)
-    for (std::size_t k = 0; k < 4; ++k) lane[k] = hash_word(lane[k], std::bit_cast<std::uint64_t>(numbers[i + k]));
-  for (; i < numbers.size(); ++i) lane[0] = hash_word(lane[0], std::bit_cast<std::uint64_t>(numbers[i]));
-  std::uint64_t hash = numbers.size();
-  for (const std::uint64_t each : lane) hash = hash_word(hash, each);
-  return hash;
 }
 
 std::uint64_t hash_text(std::string_view text, std::uint64_t seed) {

@@ -2,12 +2,12 @@
 
 #include <array>
 #include <cstdint>
-#include <span>
 #include <string>
 #include <string_view>
 #include <variant>
 #include <vector>
 
+#include "objdb/numbers.h"
 #include "objdb/result.h"
 
 namespace objdb {
@@ -32,10 +32,10 @@ int words_of(Kind kind);
 ///   double, Vec3, Quat         real, vec3, quat
 ///   std::string                text
 ///   std::vector<std::int64_t>  arrays of bool, int, word, ref
-///   std::vector<double>        arrays of real, vec3, quat: flat, 1, 3 or 4 numbers an element
+///   Numbers                    arrays of real, vec3, quat: flat, 1, 3 or 4 numbers an element
 ///   std::vector<std::string>   arrays of text
-using Value = std::variant<std::int64_t, double, Vec3, Quat, std::string, std::vector<std::int64_t>,
-                           std::vector<double>, std::vector<std::string>>;
+using Value = std::variant<std::int64_t, double, Vec3, Quat, std::string, std::vector<std::int64_t>, Numbers,
+                           std::vector<std::string>>;
 
 /// True when both hold the same bits (so that -0 and 0 differ, as they print differently).
 bool same_bits(const Value& a, const Value& b);
@@ -45,8 +45,6 @@ void swap_values(Value& a, Value& b);
 
 /// 64 bits of `text`; the same on every machine and in every build.
 std::uint64_t hash_text(std::string_view text, std::uint64_t seed = 0);
-/// 64 bits of numbers, by their bits; likewise, and several times as fast as word by word.
-std::uint64_t hash_numbers(std::span<const double> numbers);
 /// Mixes one 64-bit word into a hash.
 std::uint64_t hash_word(std::uint64_t hash, std::uint64_t word);
 

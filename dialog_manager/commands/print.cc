@@ -28,10 +28,10 @@ Json json_value(const Field& field, const Value& value, const Names& names) {
           Json out = Json::array();
           for (const std::int64_t one : each) out.push_back(json_integer(field, one, names));
           return out;
-        } else if constexpr (std::is_same_v<T, std::vector<double>>) {
+        } else if constexpr (std::is_same_v<T, Numbers>) {
           // vec3[] and quat[] as arrays of arrays
           const auto size = static_cast<std::size_t>(words_of(field.kind));
-          if (size == 1) return each;
+          if (size == 1) return each.vector();
           Json out = Json::array();
           for (auto first = each.begin(); first != each.end(); first += static_cast<std::ptrdiff_t>(size))
             out.push_back(std::vector<double>(first, first + static_cast<std::ptrdiff_t>(size)));

@@ -28,7 +28,7 @@ Outcome run(Call& call) {
   std::vector<Word> all{call.verb};
   all.insert(all.end(), call.words.begin(), call.words.end());
   if (Status parsed = parse_put(all, slot, sequence); !parsed) return parsed;
-  Result<GrantedArrays::Filled> filled = speaker->arrays().take(call.words[0].text, sequence);
+  Result<Numbers> filled = speaker->arrays().take(call.words[0].text, sequence);
   if (!filled) return call.error(0, filled.error().kind, filled.error().sentence);
 
   const Result<Target> target = parse_target(call.words[0]);
@@ -42,19 +42,18 @@ Outcome run(Call& call) {
   const Field& field = object.type->field(*index);
   if (Status allowed = call.source.gate->may_write(object, *index); !allowed)
     return call.error(0, allowed.error().kind, allowed.error().sentence);
-  if (Status fits = check_count(object, field, filled->numbers.size()); !fits)
+  if (Status fits = check_count(object, field, filled->size()); !fits)
     return call.error(0, fits.error().kind, fits.error().sentence);
-  Value value = std::move(filled->numbers);
+  Value value = std::move(*filled);
   // that they are finite was seen when they were copied
   if (field.ranged || field.kind == Kind::quat)
     if (Status good = check_value(field, value); !good) return call.error(0, good.error().kind, good.error().sentence);
   if (manager.recorder.journal() != nullptr && !manager.playback.replaying()) {
-    Result<std::string> kept = manager.recorder.journal()->add_array(std::get<std::vector<double>>(value));
+    Result<std::string> kept = manager.recorder.journal()->add_array(std::get<Numbers>(value));
     if (!kept) return kept.error();
     call.kept = "put " + object.path + "." + field.name + " " + *kept;
   }
   manager.world.assign(object, *index, std::move(value));
-  manager.arrays.announce(object, *index, std::move(filled->memory), sequence);
   return {};
 }
 

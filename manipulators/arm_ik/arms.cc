@@ -244,8 +244,8 @@ void Arms::remember() {
 }
 
 void Arms::recall(const Object& arm, Limb& limb) {
-  const auto& numbers = me_.get<std::vector<double>>(arm, "memory");
-  if (numbers.empty() || !limb.reacher->recall(std::span(numbers).first(numbers.size() - 1))) return;
+  const std::span<const double> numbers = me_.numbers(arm, "memory");
+  if (numbers.empty() || !limb.reacher->recall(numbers.first(numbers.size() - 1))) return;
   limb.lost = numbers.back() != 0;
   limb.target = static_cast<objdb::ObjectId>(me_.get<std::int64_t>(arm, "remembered"));
   limb.known = true;

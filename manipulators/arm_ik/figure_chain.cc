@@ -53,7 +53,7 @@ std::variant<FigureChain, std::string> find_chain(objdb::Database& world, const 
     if (!is_joint(world, *each)) continue;
     const double lower = value<double>(*each, Scene::lower), upper = value<double>(*each, Scene::upper);
     if (lower > upper) return "joint " + each->path + " has its lower limit above its upper limit";
-    const auto& dh = value<std::vector<double>>(*each, Scene::dh);
+    const auto& dh = value<objdb::Numbers>(*each, Scene::dh);
     const double rest = std::clamp(value<double>(*each, Scene::rest), lower, upper);
     builder.dh(std::string(each->name()), dh[0], dh[1], dh[2], dh[3], lower, upper, rest);
     out.joints.push_back(each->id);
@@ -75,7 +75,7 @@ std::vector<double> fingerprint(objdb::Database& world, const Object* root, cons
     add(value<objdb::Vec3>(*each, Scene::position));
     add(value<objdb::Quat>(*each, Scene::orientation));
     if (!is_joint(world, *each)) continue;
-    add(value<std::vector<double>>(*each, Scene::dh));
+    add(value<objdb::Numbers>(*each, Scene::dh));
     for (const int field : {Scene::lower, Scene::upper, Scene::rest}) numbers.push_back(value<double>(*each, field));
   }
   return numbers;

@@ -415,17 +415,17 @@ void Eyes::remember() {
 // where a checkpoint left off, if it is of this time
 bool Eyes::recall(Pair& pair, int64_t step) {
   const Object& object = *pair.object;
-  auto heads = me_.get<std::vector<double>>(object, "memory_heads");
+  std::vector<double> heads = me_.get<objdb::Numbers>(object, "memory_heads").vector();
   if (heads.empty()) return false;
   const bool seeing = heads.back() != 0;
   heads.pop_back();
   Crowd::Table::State state;
   for (std::string_view row : rows) {
-    state[std::string(row)] = me_.get<std::vector<double>>(object, "memory_" + std::string(row));
+    state[std::string(row)] = me_.get<objdb::Numbers>(object, "memory_" + std::string(row)).vector();
   }
   if (!about(Crowd::Table::step_of(state), step)) return false;
   TickWorld world;
-  if (!world.restore(heads, me_.get<std::vector<double>>(object, "memory_targets"))) return false;
+  if (!world.restore(heads, me_.get<objdb::Numbers>(object, "memory_targets").vector())) return false;
   Crowd::Seat seat = crowd_.seat(pair.parameters, Crowd::Table::step_of(state), &pair);
   if (!seat.restore(state, seed_of(pair.parameters))) return false;
   pair.seat = std::move(seat);

@@ -174,7 +174,7 @@ Faces::Live& Faces::live(const Object& object) {
   if (!face.recalled) {
     face.recalled = true;
     face.play.recall(me_.get<std::vector<std::string>>(object, "memory_words"),
-                     me_.get<std::vector<double>>(object, "memory"));
+                     me_.get<objdb::Numbers>(object, "memory").vector());
   }
   return face;
 }
@@ -530,9 +530,9 @@ void Faces::show(const Object& object, Live& face, const Drive& drive) {
     const double start = cpu_seconds();
     const Frame frame = face.actor->frame(drive, method);
     me_.set(object, "frame_time", cpu_seconds() - start);
-    std::vector<double> numbers(frame.displacement.size());
-    for (std::size_t k = 0; k < numbers.size(); ++k) numbers[k] = rounded(double(frame.displacement[k]));
-    me_.set(object, "displacement", std::move(numbers));
+    me_.fill(object, "displacement", frame.displacement.size(), [&](std::span<double> numbers) {
+      for (std::size_t k = 0; k < numbers.size(); ++k) numbers[k] = rounded(double(frame.displacement[k]));
+    });
     face.drive = drive;
     face.method = method;
     face.shown = true;

@@ -51,8 +51,8 @@ class Flight {
   }
 
   void fly(const Object& flier, double time) {
-    const auto& way = me_.get<std::vector<double>>(flier, "way");
-    const auto& times = me_.get<std::vector<double>>(flier, "times");
+    const std::vector<double> way = me_.get<objdb::Numbers>(flier, "way").vector();
+    const std::vector<double> times = me_.get<objdb::Numbers>(flier, "times").vector();
     Known& known = known_[flier.id];
     if (known.way != way || known.times != times) known = {way, times, course_of(way, times), {}};
     me_.set(flier, "reason", known.course.problem());

@@ -87,7 +87,7 @@ std::variant<Chain, std::string> find_chain(objdb::Database& world, const Object
     X = X * placed;
     if (!is_joint(world, *each)) continue;
     axes.push_back({each, rotation_of(X).col(2), vector_of(X.p)});
-    const auto& dh = value<std::vector<double>>(*each, Scene::dh);
+    const auto& dh = value<objdb::Numbers>(*each, Scene::dh);
     X = X * objdb::scene::denavit_hartenberg(dh[0], dh[1], dh[2], dh[3]);
   }
   if (auto sentence = fault(axes)) return *sentence;
@@ -121,7 +121,7 @@ std::vector<double> fingerprint(objdb::Database& world, const Object& root, cons
     add(value<objdb::Vec3>(*each, Scene::position));
     add(value<objdb::Quat>(*each, Scene::orientation));
     if (!is_joint(world, *each)) continue;
-    add(value<std::vector<double>>(*each, Scene::dh));
+    add(value<objdb::Numbers>(*each, Scene::dh));
     for (const int field : {Scene::lower, Scene::upper, Scene::rest}) numbers.push_back(value<double>(*each, field));
   }
   return numbers;

@@ -335,7 +335,7 @@ void Heads::remember() {
 }
 
 void Heads::recall(const Object& object, Head& head) {
-  const auto& numbers = me_.get<std::vector<double>>(object, "memory");
+  const std::span<const double> numbers = me_.numbers(object, "memory");
   std::size_t count = 5;
   Control::State state;
   visit_numbers(state, [&](const auto&) { ++count; });

@@ -3,6 +3,7 @@
 #include <malloc.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cassert>
 #include <cerrno>
 #include <charconv>
@@ -34,7 +35,7 @@ bool arrays_wanted() {
 
 }  // namespace
 
-Manipulator::Manipulator(std::string name, std::string_view declarations) : name_(std::move(name)) {
+Manipulator::Manipulator(std::string name, std::string_view declarations) : name_(std::move(name)), arrived_(65536) {
   hello_.name = name_;
   // a long array that comes every tick takes memory that is there already
   ::mallopt(M_MMAP_THRESHOLD, 64 << 20);
@@ -88,16 +89,49 @@ void Manipulator::set(const Object& object, std::string_view field, Value value)
     complain(status.error().sentence);
     return;
   }
-  const auto shared = arrays_.find({object.id, index});
-  const auto* numbers = std::get_if<std::vector<double>>(&object.value(index));
-  if (shared == arrays_.end() || numbers == nullptr || !shared->second.fill ||
-      numbers->size() > shared->second.fill->capacity()) {
+  const auto* numbers = std::get_if<Numbers>(&object.value(index));
+  Arrays* arrays = numbers == nullptr ? nullptr : to_fill(object, index, numbers->size());
+  if (arrays == nullptr) {
     append_set(output_, world_, object, index);
     return;
   }
-  const std::uint64_t sequence = shared->second.fill->fill(*numbers);
-  output_ += "put " + object.path + "." + object.type->field(index).name +
-             " slot=" + std::to_string(SharedArray::slot_of(sequence)) + " seq=" + std::to_string(sequence) + "\n";
+  std::copy(numbers->begin(), numbers->end(), arrays->fill->begin(numbers->size()).begin());
+  announce(object, index, *arrays);
+}
+
+void Manipulator::fill(const Object& object, std::string_view field, std::size_t count,
+                       const std::function<void(std::span<double>)>& write) {
+  const int index = object.type->find(field);
+  assert(index >= 0);
+  Arrays* arrays = to_fill(object, index, count);
+  if (arrays == nullptr) {
+    std::vector<double> numbers(count);
+    write(numbers);
+    set(object, field, Numbers(std::move(numbers)));
+    return;
+  }
+  write(arrays->fill->begin(count));
+  Value value = arrays->fill->begun();
+  if (same_bits(object.value(index), value)) return;
+  if (Status status = world_.set(object, index, std::move(value)); !status) {
+    complain(status.error().sentence);
+    return;
+  }
+  announce(object, index, *arrays);
+}
+
+Manipulator::Arrays* Manipulator::to_fill(const Object& object, int field, std::size_t count) {
+  const auto found = arrays_.find({object.id, field});
+  if (found == arrays_.end() || !found->second.fill || count > found->second.fill->capacity()) return nullptr;
+  // what was announced in this tick may not have been taken yet: its slot is not filled again
+  return found->second.announced + 1 < found->second.fill->slots() ? &found->second : nullptr;
+}
+
+void Manipulator::announce(const Object& object, int field, Arrays& arrays) {
+  ++arrays.announced;
+  const std::uint64_t sequence = arrays.fill->finish();
+  output_ += "put " + object.path + "." + object.type->field(field).name +
+             " slot=" + std::to_string(arrays.fill->slot_of(sequence)) + " seq=" + std::to_string(sequence) + "\n";
 }
 
 void Manipulator::set_word(const Object& object, std::string_view field, std::string_view word) {
@@ -140,11 +174,9 @@ bool Manipulator::read_line(std::string& line) {
     if (quit_) return false;
     input_.erase(0, read_);
     read_ = 0;
-    const std::size_t size = input_.size();
-    input_.resize(size + 65536);
-    const ssize_t count = ::read(STDIN_FILENO, input_.data() + size, 65536);
-    input_.resize(size + static_cast<std::size_t>(std::max<ssize_t>(count, 0)));
+    const ssize_t count = ::read(STDIN_FILENO, arrived_.data(), arrived_.size());
     if (count == 0 || (count < 0 && errno != EINTR)) return false;
+    if (count > 0) input_.append(arrived_.data(), static_cast<std::size_t>(count));
   }
 }
 
@@ -169,6 +201,7 @@ void Manipulator::hear(std::string_view line) {
   } else if (verb == "set" || verb == "create" || verb == "delete" || verb == "type" || verb == "field") {
     hear_world(words_);
   } else if (verb == "tick" && rest.size() == 3) {
+    for (auto& [field, arrays] : arrays_) arrays.announced = 0;
     const Tick tick{parse<std::uint64_t>(rest[0].text, 0), parse(rest[1].text, 0.0), parse(rest[2].text, 0.0)};
     if (tick_) tick_(tick);
     say("done " + std::to_string(tick.number));
@@ -243,16 +276,20 @@ void Manipulator::hear_put(Words words) {
   const Object* object = target ? world_.find(target->pattern) : nullptr;
   const int field = object == nullptr ? -1 : object->type->find(target->field);
   const auto shared = field < 0 ? arrays_.end() : arrays_.find({object->id, field});
-  std::vector<double> numbers;
-  if (shared == arrays_.end() || !shared->second.read ||
-      !shared->second.read->read(parse<std::uint64_t>(words[2].text.substr(4), 0), numbers)) {
+  const auto number = [&](std::size_t word, std::string_view key) {
+    return parse<std::uint64_t>(words[word].text.starts_with(key) ? words[word].text.substr(key.size()) : "", 0);
+  };
+  std::optional<Numbers> numbers;
+  if (shared != arrays_.end() && shared->second.read)
+    numbers = shared->second.read->read(number(1, "slot="), number(2, "seq="));
+  if (!numbers) {
     // with a wrong world nothing right can be said: the next life is told it as text
     complain("the array of " + std::string(words.empty() ? "" : words[0].text) + " cannot be read");
     quit_ = true;
     status_ = 3;
     return;
   }
-  world_.assign(*object, field, std::move(numbers));
+  world_.assign(*object, field, std::move(*numbers));
 }
 
 void Manipulator::hear_world(const LineWords& words) {
@@ -268,6 +305,7 @@ void Manipulator::hear_world(const LineWords& words) {
     if (const auto id = create_statement(world_, rest, top); !id) status = id.error();
   } else if (verb == "delete") {
     status = delete_statement(world_, rest, top);
+    std::erase_if(arrays_, [this](const auto& each) { return world_.object(each.first.first) == nullptr; });
   } else if (verb == "type") {
     if (const auto type = world_.declare_type(rest); !type) status = type.error();
   } else {

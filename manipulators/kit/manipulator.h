@@ -4,9 +4,11 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 #include "manipulators/kit/shared_array.h"
 #include "objdb/database.h"
@@ -81,6 +83,10 @@ class Manipulator {
   const T& get(const objdb::Object& object, std::string_view field) const {
     return world_.get<T>(object, field);
   }
+  /// The numbers of an array of real, vec3 or quat, where they stand: until the next tick or verb.
+  std::span<const double> numbers(const objdb::Object& object, std::string_view field) const {
+    return get<objdb::Numbers>(object, field).span();
+  }
   /// The object that a ref field points to, null for none.
   const objdb::Object* target(const objdb::Object& object, std::string_view field) const;
   /// The word of a word field.
@@ -88,9 +94,13 @@ class Manipulator {
 
   /// Sets a field, here and in the world; says nothing when it has that value already. The numbers of a long array go
   /// through shared memory where the manager offers it; nothing else need be done for it, here or by those who read
-  /// it with get(). A value that the field does
-  /// not take (out of range, not finite) is a mistake of the program's own: it is refused, told on standard error.
+  /// it with numbers(). A value that the field does not take (out of range, not finite) is a mistake of the program's
+  /// own: it is refused, told on standard error.
   void set(const objdb::Object& object, std::string_view field, objdb::Value value);
+  /// Sets an array of real, vec3 or quat to `count` numbers, which `write` puts, all of them, where others will read
+  /// them: a long array is written once and copied by nobody here. What stands there before is anything.
+  void fill(const objdb::Object& object, std::string_view field, std::size_t count,
+            const std::function<void(std::span<double>)>& write);
   /// Sets a word field by its word.
   void set_word(const objdb::Object& object, std::string_view field, std::string_view word);
   /// Says a line as it stands: `pause`, `create ...` of a type it declared, `listen FIFO`.
@@ -111,6 +121,14 @@ class Manipulator {
   void answer(const objdb::LineWords& words);
   void flush();
 
+  struct Arrays {
+    std::shared_ptr<SharedArray> fill, read;
+    std::size_t announced = 0;  // since the last tick
+  };
+  /// Memory for so many numbers of a field, when there is some that the manager has looked at.
+  Arrays* to_fill(const objdb::Object& object, int field, std::size_t count);
+  void announce(const objdb::Object& object, int field, Arrays& arrays);
+
   std::string name_;
   std::string declarations_;
   objdb::Database world_;
@@ -119,14 +137,12 @@ class Manipulator {
   std::function<void(const Tick&)> tick_;
   std::function<void()> checkpoint_;
   std::map<std::string, std::function<objdb::Result<std::string>(objdb::Words)>, std::less<>> verbs_;
+  std::vector<char> arrived_;  // by the latest read
   std::string input_, output_;
   std::size_t read_ = 0;
   objdb::LineWords words_;
   bool quit_ = false;
   int status_ = 0;
-  struct Arrays {
-    std::unique_ptr<SharedArray> fill, read;
-  };
   std::map<std::pair<objdb::ObjectId, int>, Arrays> arrays_;
 };
 

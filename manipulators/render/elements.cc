@@ -101,9 +101,11 @@ namespace {
 
 std::vector<Eigen::Vector3f> points_of(const Object& object, std::string_view field) {
   std::vector<Eigen::Vector3f> points;
-  if (const std::vector<double>* numbers = numbers_of(object, field)) {
-    for (std::size_t i = 0; i + 2 < numbers->size(); i += 3) {
-      points.push_back(Eigen::Vector3d((*numbers)[i], (*numbers)[i + 1], (*numbers)[i + 2]).cast<float>());
+  if (const objdb::Numbers* field_numbers = numbers_of(object, field)) {
+    const std::span<const double> numbers = *field_numbers;
+    points.reserve(numbers.size() / 3);
+    for (std::size_t i = 0; i + 2 < numbers.size(); i += 3) {
+      points.push_back(Eigen::Vector3d(numbers[i], numbers[i + 1], numbers[i + 2]).cast<float>());
     }
   }
   return points;
@@ -132,7 +134,7 @@ ElementMesh mesh_of(const Object& object, std::string_view result) {
   }
   if (result == "displacement") {
     for (const Eigen::Vector3f& d : displacement) mesh.values.push_back(d.norm());
-  } else if (const std::vector<double>* numbers = numbers_of(object, result)) {
+  } else if (const objdb::Numbers* numbers = numbers_of(object, result)) {
     for (double number : *numbers) mesh.values.push_back(static_cast<float>(number));
   }
   return mesh;
@@ -143,7 +145,7 @@ ElementMesh mesh_of(const Object& object, std::string_view result) {
 void add_elements(const objdb::Database& world, const Object& view, Scene& scene) {
   const std::string_view wanted = word_of(view, "elements", "none");
   if (wanted == "none") return;
-  const std::vector<double>* cut = numbers_of(view, "cut");
+  const objdb::Numbers* cut = numbers_of(view, "cut");
   Eigen::Vector4f plane(1, 0, 0, 0);
   if (cut && cut->size() == 4) plane = Eigen::Map<const Eigen::Vector4d>(cut->data()).cast<float>();
 

@@ -36,10 +36,10 @@ Faces::Change Faces::look(const objdb::Database& world, const Object& surface, c
     if (is_new || displacement != one.displacement || change == Change::others) {
       one.displacement = displacement;
       if (change == Change::none) change = Change::displaced;
-      const std::vector<double>* by = numbers_of(*face, "displacement");
+      const objdb::Numbers* by = numbers_of(*face, "displacement");
       const std::size_t wanted = 3 * (one.follower ? one.follower->moved() : 0);
       one.by.clear();
-      if (by && by->size() == wanted) one.by = *by;
+      if (by && by->size() == wanted) one.by.assign(by->begin(), by->end());
       if (one.follower) {
         // before its program has spoken a face has no displacements: it is at rest
         const bool fits = !by || by->empty() || by->size() == wanted;

@@ -78,8 +78,8 @@ std::vector<const Object*> objects_of(const objdb::Database& world, const Object
   return found;
 }
 
-const std::vector<double>* numbers_of(const Object& object, std::string_view field) {
-  return held<std::vector<double>>(object, field);
+const objdb::Numbers* numbers_of(const Object& object, std::string_view field) {
+  return held<objdb::Numbers>(object, field);
 }
 
 std::vector<const Object*> all_of(const objdb::Database& world, std::string_view type) {
@@ -118,6 +118,8 @@ std::uint64_t hash_of(const Object& object, std::initializer_list<std::string_vi
       for (const std::string& text : value) hash = objdb::hash_text(text, hash);
     } else if constexpr (std::is_same_v<T, std::vector<std::int64_t>>) {
       for (std::int64_t number : value) hash = objdb::hash_word(hash, static_cast<std::uint64_t>(number));
+    } else if constexpr (std::is_same_v<T, objdb::Numbers>) {
+      hash = objdb::hash_word(hash, value.hash());
     } else {
       for (double number : value) mix_number(number);
     }

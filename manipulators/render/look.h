@@ -29,7 +29,7 @@ const objdb::Object* object_of(const objdb::Database& world, const objdb::Object
 std::vector<const objdb::Object*> objects_of(const objdb::Database& world, const objdb::Object& object,
                                              std::string_view field);
 /// A flat array of numbers; null when the field is absent or of another shape.
-const std::vector<double>* numbers_of(const objdb::Object& object, std::string_view field);
+const objdb::Numbers* numbers_of(const objdb::Object& object, std::string_view field);
 
 /// All objects of a type by name and its subtypes, none when the type is unknown.
 std::vector<const objdb::Object*> all_of(const objdb::Database& world, std::string_view type);

@@ -319,7 +319,7 @@ void Service::follow_marks() {
       if (!surface || object_of(world, *face, "skin") != surface) continue;
       const objdb::Value* value = value_of(*face, "vertices");
       const auto* vertices = value ? std::get_if<std::vector<std::int64_t>>(value) : nullptr;
-      const std::vector<double>* by = numbers_of(*face, "displacement");
+      const objdb::Numbers* by = numbers_of(*face, "displacement");
       if (!vertices || !by || by->size() != 3 * vertices->size()) continue;
       const auto found = std::find(vertices->begin(), vertices->end(), integer_of(*mark, "vertex"));
       if (found == vertices->end()) continue;

@@ -51,7 +51,7 @@ mesh::Bone bone_from(const objdb::Database& world, const Object& object, const s
 
 // rows of four numbers; what is left over is dropped
 Eigen::MatrixX4d rows_of_four(const Object& object, std::string_view field) {
-  const std::vector<double>* numbers = numbers_of(object, field);
+  const objdb::Numbers* numbers = numbers_of(object, field);
   const Eigen::Index rows = numbers ? static_cast<Eigen::Index>(numbers->size() / 4) : 0;
   Eigen::MatrixX4d matrix(rows, 4);
   for (Eigen::Index r = 0; r < rows; ++r) {
@@ -250,7 +250,7 @@ void Skins::bind(const objdb::Database& world, const Object& object, Body& body)
     garment.lines = rows_of_four(*object_of_garment, "lines");
     garment.thickness = real_of(*object_of_garment, "thickness");
     garment.smoothing = static_cast<int>(integer_of(*object_of_garment, "smoothing"));
-    const std::vector<double>* flare = numbers_of(*object_of_garment, "flare");
+    const objdb::Numbers* flare = numbers_of(*object_of_garment, "flare");
     if (flare && flare->size() == 4) garment.flare = Eigen::Map<const Eigen::Vector4d>(flare->data());
     garments.push_back(std::move(garment));
   }
@@ -350,10 +350,11 @@ std::shared_ptr<const Geometry> Skins::carried(const Object& object, Report& rep
   kept.vertices = vertices;
   kept.report = {object.id, "ok", ""};
 
-  const std::vector<double>* numbers = numbers_of(object, "vertices");
+  const objdb::Numbers* points = numbers_of(object, "vertices");
+  const std::span<const double> numbers = points ? points->span() : std::span<const double>();
   const objdb::Value* value = value_of(object, "triangles");
   const auto* corners = value ? std::get_if<std::vector<std::int64_t>>(value) : nullptr;
-  const std::size_t count = numbers ? numbers->size() / 3 : 0;
+  const std::size_t count = numbers.size() / 3;
   const bool fits =
       corners && !corners->empty() && std::all_of(corners->begin(), corners->end(), [&](std::int64_t corner) {
         return corner >= 0 && corner < static_cast<std::int64_t>(count);
@@ -374,7 +375,7 @@ std::shared_ptr<const Geometry> Skins::carried(const Object& object, Report& rep
   geometry->vertices.resize(count);
   for (std::size_t v = 0; v < count; ++v) {
     geometry->vertices[v].position =
-        Eigen::Vector3d((*numbers)[3 * v], (*numbers)[3 * v + 1], (*numbers)[3 * v + 2]).cast<float>();
+        Eigen::Vector3d(numbers[3 * v], numbers[3 * v + 1], numbers[3 * v + 2]).cast<float>();
   }
   if (geometry->levels[0].indices.empty()) {
     geometry->levels[0].indices.assign(corners->begin(),

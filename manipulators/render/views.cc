@@ -49,7 +49,7 @@ Eigen::Isometry3d base_of(const Database& world, const Object& joint) {
   if (const Object* parent = world.object(world.scene().parent_of(joint))) X_W = frame_of(world, *parent);
   X_W.translate(vector_of(joint, "position").cast<double>());
   X_W.rotate(turn_of(joint, "orientation"));
-  const std::vector<double>* dh = numbers_of(joint, "dh");
+  const objdb::Numbers* dh = numbers_of(joint, "dh");
   X_W.rotate(Eigen::AngleAxisd(dh && !dh->empty() ? (*dh)[0] : 0, Eigen::Vector3d::UnitZ()));
   return X_W;
 }
@@ -135,7 +135,7 @@ void add_limits(const Database& world, Scene& scene) {
 
   // ball joints: how far the direction of their z axis may swing from rest
   for (const Object* node : all_of(world, "node")) {
-    const std::vector<double>* several = numbers_of(*node, "swing_limit");
+    const objdb::Numbers* several = numbers_of(*node, "swing_limit");
     const double one = real_of(*node, "swing_limit", -1);
     std::vector<float> angles(24, static_cast<float>(one));
     if (several && !several->empty()) {

@@ -27,7 +27,7 @@ Scene::Scene(Database& database)
 Transform Scene::local(const Object& object) const {
   const Transform placed = from_pose(std::get<Vec3>(object.value(position)), std::get<Quat>(object.value(orientation)));
   if (!is_joint(object)) return placed;
-  const auto& row = std::get<std::vector<double>>(object.value(dh));
+  const auto& row = std::get<Numbers>(object.value(dh));
   const double turn = std::get<double>(object.value(angle));
   double theta = row[0] + turn;
   // two angles of 1e308 have no sum, but their directions have

@@ -3,18 +3,22 @@
 // Every row measures its baseline in the same run, in turns with it. Latencies and ticks have all processes on one
 // processor, where a wake-up costs what the kernel needs and nothing of a hypervisor.
 //
-//   dialog_manager_bench [SECTION...]     latency throughput tick journal restart world memory
+//   dialog_manager_bench [SECTION...]     latency throughput tick arrays journal restart world memory
 
+#include <sys/mman.h>
 #include <sys/stat.h>
 #include <time.h>
 
 #include <algorithm>
 #include <array>
+#include <bit>
+#include <charconv>
 #include <chrono>
 #include <filesystem>
 #include <memory>
 #include <optional>
 #include <random>
+#include <span>
 
 #include "tests/bench/dialog_manager_peer.h"
 
@@ -24,6 +28,7 @@ using namespace bench;
 
 const std::string manager = BIN_DIR "/dialog_manager";
 const std::string me = BIN_DIR "/dialog_manager_bench";
+const std::string sheets = BIN_DIR "/../tests/programs/sheets";
 
 double now() {
   timespec time;
@@ -386,6 +391,201 @@ void tick() {
   compare("  the further target", "the same", "%.1f", 1e6 * raw, 1e6 * our, {at_most, 1.3});
 }
 
+// -- long arrays
+
+// what the program `sheets` writes and looks at: every number tells its frame
+constexpr std::size_t period = 1024;
+const std::array<double, period> fraction = [] {
+  std::array<double, period> out;
+  for (std::size_t i = 0; i < period; ++i) out[i] = static_cast<double>(i) / period;
+  return out;
+}();
+
+void write_frame(std::span<double> numbers, double first) {
+  for (std::size_t at = 0; at < numbers.size(); at += period) {
+    const std::size_t count = std::min(period, numbers.size() - at);
+    for (std::size_t i = 0; i < count; ++i) numbers[at + i] = first + fraction[i];
+  }
+}
+
+bool is_whole(std::span<const double> numbers) {
+  std::uint64_t difference = 0;
+  for (std::size_t at = 0; at < numbers.size(); at += period) {
+    const std::size_t count = std::min(period, numbers.size() - at);
+    for (std::size_t i = 0; i < count; ++i)
+      difference |=
+          std::bit_cast<std::uint64_t>(numbers[at + i]) ^ std::bit_cast<std::uint64_t>(numbers[0] + fraction[i]);
+  }
+  return difference == 0;
+}
+
+/// Three slots that forked processes share.
+class Slots {
+ public:
+  explicit Slots(std::size_t count) : count_(count), size_(3 * count * sizeof(double)) {
+    const int file = ::memfd_create("bare", MFD_CLOEXEC);
+    if (file < 0 || ::posix_fallocate(file, 0, static_cast<off_t>(size_)) != 0) give_up("memfd");
+    void* at = ::mmap(nullptr, size_, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_POPULATE, file, 0);
+    if (at == MAP_FAILED) give_up("mmap");
+    ::close(file);
+    numbers_ = static_cast<double*>(at);
+  }
+  ~Slots() { ::munmap(numbers_, size_); }
+  Slots(const Slots&) = delete;
+  Slots& operator=(const Slots&) = delete;
+  std::span<double> operator[](std::size_t frame) const { return {numbers_ + frame % 3 * count_, count_}; }
+
+ private:
+  std::size_t count_, size_;
+  double* numbers_;
+};
+
+// the frame that a line of theirs tells of
+std::size_t frame_said(std::string_view line) {
+  std::size_t frame = 0;
+  std::from_chars(line.data(), line.data() + line.size(), frame);
+  return frame;
+}
+
+// a child that answers each line after it has done what is to be done with its frame
+std::unique_ptr<Program> answering(const std::function<bool(std::size_t frame)>& work) {
+  return std::make_unique<Program>([&work] {
+    std::array<char, 64> line;
+    for (ssize_t count = 0; (count = ::read(0, line.data(), line.size())) > 0;)
+      if (!work(frame_said({line.data(), static_cast<std::size_t>(count)})) || ::write(1, "ok\n", 3) != 3) ::_exit(1);
+  });
+}
+
+void exchange(Talk& peer, std::size_t frame) {
+  peer.write(std::to_string(frame) + "\n");
+  peer.read_lines(1);
+}
+
+// seconds from frame to frame: written, told of, read, acknowledged
+std::vector<double> bare_frames(std::size_t numbers, std::size_t frames) {
+  const Slots slots(numbers);
+  const auto reader = answering([&](std::size_t frame) { return is_whole(slots[frame]); });
+  std::vector<double> times;
+  for (std::size_t frame = 0; frame < frames; ++frame) {
+    const double start = now();
+    write_frame(slots[frame], static_cast<double>(4 * frame));
+    exchange(*reader, frame);
+    times.push_back(now() - start);
+  }
+  return times;
+}
+
+// likewise, through a third process that makes a copy of its own before it tells the reader
+std::vector<double> relayed_frames(std::size_t numbers, std::size_t frames) {
+  const Slots filled(numbers), kept(numbers);
+  const auto relay = answering([&](std::size_t frame) {
+    static const auto reader = answering([&](std::size_t copied) { return is_whole(kept[copied]); });
+    std::memcpy(kept[frame].data(), filled[frame].data(), filled[frame].size_bytes());
+    exchange(*reader, frame);
+    return true;
+  });
+  std::vector<double> times;
+  for (std::size_t frame = 0; frame < frames; ++frame) {
+    const double start = now();
+    write_frame(filled[frame], static_cast<double>(4 * frame));
+    exchange(*relay, frame);
+    times.push_back(now() - start);
+  }
+  return times;
+}
+
+// likewise, as the shortest text, through a pipe
+std::vector<double> text_frames(std::size_t numbers, std::size_t frames) {
+  Program reader([numbers] {
+    std::vector<double> read(numbers);
+    std::string text(32 * numbers, ' ');
+    std::size_t held = 0;
+    for (ssize_t count = 0; (count = ::read(0, text.data() + held, text.size() - held)) > 0;) {
+      held += static_cast<std::size_t>(count);
+      if (text[held - 1] != '\n') continue;
+      const char *at = text.data(), *end = at + held;
+      for (double& each : read) at = std::from_chars(at, end, each).ptr + 1;
+      held = 0;
+      if (!is_whole(read) || ::write(1, "ok\n", 3) != 3) ::_exit(1);
+    }
+  });
+  std::vector<double> values(numbers), times;
+  std::string text(32 * numbers, ' ');
+  for (std::size_t frame = 0; frame < frames; ++frame) {
+    const double start = now();
+    write_frame(values, static_cast<double>(4 * frame));
+    char* at = text.data();
+    for (const double each : values) {
+      at = std::to_chars(at, at + 30, each).ptr;
+      *at++ = ' ';
+    }
+    at[-1] = '\n';
+    reader.write({text.data(), static_cast<std::size_t>(at - text.data())});
+    reader.read_lines(1);
+    times.push_back(now() - start);
+  }
+  return times;
+}
+
+// from the program that fills to the one that reads: the seconds between ticks of the first
+std::vector<double> our_frames(std::size_t points, std::size_t frames, bool text) {
+  const Scratch folder;
+  const std::string file = folder / "times", with = text ? " with env SAILOR_ARRAYS=text" : "";
+  // the first are text, or take memory
+  constexpr std::size_t warm = 100;
+  {
+    Program session({manager, "--framed"});
+    session.write("start " + sheets + " as fill" + with + " -- fill " + file + "\nstart " + sheets + " as read" + with +
+                  " -- read\ncreate sheet s count " + std::to_string(points) + "\ncreate reader r\nstep " +
+                  std::to_string(warm + frames) +
+                  "\n@1 expect r.torn == 0\n@2 expect r.frames == " + std::to_string(warm + frames) + "\n@3 quit\n");
+    session.read_until("@1 ok");
+    session.read_until("@2 ok");
+    session.read_until("@3 ok");
+    require(session.end() == 0, "the manager did not end well");
+  }
+  std::vector<double> times(warm + frames);
+  std::ifstream in(file, std::ios::binary);
+  in.read(reinterpret_cast<char*>(times.data()), static_cast<std::streamsize>(times.size() * sizeof(double)));
+  require(in.gcount() == static_cast<std::streamsize>(times.size() * sizeof(double)), "no times of frames");
+  times.erase(times.begin(), times.begin() + warm);
+  return times;
+}
+
+void arrays_of(std::size_t points, const std::string& where, bool text) {
+  const std::size_t numbers = 3 * points, frames = points < 1000 ? 20'000 : 2000, text_count = frames / 20;
+  std::vector<double> bare, relayed, ours, bare_text, our_text;
+  const auto add = [](std::vector<double>& to, const std::vector<double>& more) {
+    to.insert(to.end(), more.begin(), more.end());
+  };
+  for (int round = 0; round < 3; ++round) {
+    add(bare, bare_frames(numbers, frames));
+    add(relayed, relayed_frames(numbers, frames));
+    add(ours, our_frames(points, frames, false));
+    if (!text) continue;
+    add(bare_text, text_frames(numbers, text_count));
+    add(our_text, our_frames(points, text_count, true));
+  }
+  const std::string what =
+      (points < 1000 ? std::to_string(points) : std::to_string(points / 1000) + " 000") + " points";
+  for (const auto& [name, q] : {std::pair{", p50 us", 0.5}, {", p99 us", 0.99}}) {
+    const auto us = [&, share = q](const std::vector<double>& times) { return 1e6 * quantile(times, share); };
+    compare(what + where + name, "memfd, a line, an answer", "%.1f", us(bare), us(ours), {});
+    compare(what + where + name, "  with a copy between", "%.1f", us(relayed), us(ours), {at_most, 1.3});
+    if (text)
+      compare(what + " as text" + where + name, "shortest text, a pipe", "%.0f", us(bare_text), us(our_text), {});
+  }
+}
+
+void arrays() {
+  {
+    const Pinned pinned;
+    arrays_of(400, "", true);
+    arrays_of(50'000, "", true);
+  }
+  arrays_of(50'000, ", any processor", false);
+}
+
 // -- memory of what was said
 
 // median seconds of a write and fdatasync of so many bytes
@@ -604,9 +804,8 @@ struct Section {
   std::string_view name;
   void (*run)();
 };
-constexpr Section sections[] = {{"latency", latency}, {"throughput", throughput}, {"tick", tick},
-                                {"journal", journal}, {"restart", restart},       {"world", world},
-                                {"memory", memory}};
+constexpr Section sections[] = {{"latency", latency}, {"throughput", throughput}, {"tick", tick},   {"arrays", arrays},
+                                {"journal", journal}, {"restart", restart},       {"world", world}, {"memory", memory}};
 
 }  // namespace
 

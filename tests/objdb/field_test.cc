@@ -286,11 +286,12 @@ TEST(Value, PrintsToWordsThatReadBackToTheSameBits) {
       if (auto* quat = std::get_if<Quat>(&value)) *quat = {real(field), real(field), real(field), 1};
       if (auto* one = std::get_if<std::string>(&value)) *one = text();
       if (auto* one = std::get_if<std::int64_t>(&value)) *one = discrete(field);
-      if (auto* many = std::get_if<std::vector<double>>(&value)) {
-        many->assign(elements * static_cast<std::size_t>(words_of(field.kind)), 1);
-        for (double& each : *many) each = real(field);
+      if (auto* row = std::get_if<Numbers>(&value)) {
+        std::vector<double> many(elements * static_cast<std::size_t>(words_of(field.kind)));
+        for (double& each : many) each = real(field);
         if (field.kind == Kind::quat)
-          for (std::size_t k = 0; k < many->size(); k += 4) (*many)[k] = 1;
+          for (std::size_t k = 0; k < many.size(); k += 4) many[k] = 1;
+        *row = Numbers(std::move(many));
       }
       if (auto* many = std::get_if<std::vector<std::string>>(&value)) {
         many->assign(elements, "");

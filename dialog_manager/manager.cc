@@ -338,6 +338,8 @@ bool Manager::begin_tick() {
 }
 
 void Manager::finish_tick() {
+  // also who waits for no more than this tick has not got what he waited for
+  if (const std::optional<Error> broken = std::exchange(broken_, std::nullopt)) end_waiting(*broken);
   clock.advance();
   recorder.close_tick();
   ++counters.ticks;
@@ -350,7 +352,6 @@ void Manager::finish_tick() {
   for (const Schedule::Entry& entry : schedule.take_due(clock.time(), world))
     if (!playback.following()) scheduled_->enqueue_command(entry.command, entry.where, entry.scope);
   scheduled_->step(*this, lines_at_a_time);
-  if (const std::optional<Error> broken = std::exchange(broken_, std::nullopt)) end_waiting(*broken);
 }
 
 void Manager::break_time(const Error& error) {

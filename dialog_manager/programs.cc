@@ -72,6 +72,8 @@ Result<Manipulator*> Programs::start(Start what) {
   if (Manipulator* over = find(*name)) drop(*over);
   auto manipulator = std::make_unique<Manipulator>(manager_, *name, what.program, command_line(what), what.serving);
   manipulator->id = manager_.add_source(*name);
+  const channel::Spare spare;
+  if (!spare.held()) return Error{ErrorKind::limit, what.program + " cannot be started: too many open files", 0};
   if (Status launched = manipulator->launch(); !launched) return launched.error();
   all_.push_back(std::move(manipulator));
   return all_.back().get();

@@ -6,7 +6,6 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include <array>
 #include <cerrno>
 #include <csignal>
 #include <cstring>
@@ -97,6 +96,15 @@ objdb::Result<Process> spawn(const std::vector<std::string>& argv) {
   set_nonblocking(errors.read);
   const int pidfd = static_cast<int>(::syscall(SYS_pidfd_open, pid, 0));
   return Process{pid, pidfd, input.write, output.read, errors.read};
+}
+
+Spare::Spare() {
+  for (int& each : held_) each = ::open("/dev/null", O_RDONLY | O_CLOEXEC);
+}
+
+Spare::~Spare() {
+  for (const int each : held_)
+    if (each >= 0) ::close(each);
 }
 
 std::string reap(pid_t pid) {

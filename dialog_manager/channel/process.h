@@ -2,6 +2,7 @@
 
 #include <sys/types.h>
 
+#include <array>
 #include <string>
 #include <vector>
 
@@ -21,6 +22,21 @@ struct Process {
 /// Starts argv[0] (a path, or a name on PATH) in a process group of its own, with default signals and the inherited
 /// environment; it is killed when we die. Errors: unknown (no such program), io (it cannot be run).
 objdb::Result<Process> spawn(const std::vector<std::string>& argv);
+
+/// Descriptors that are held while a process is started for the first time: its pipes take more for a moment than for
+/// its life, and starting it again later must not fail for the want of them.
+class Spare {
+ public:
+  Spare();
+  ~Spare();
+  Spare(const Spare&) = delete;
+  Spare& operator=(const Spare&) = delete;
+  /// False: too many are open.
+  bool held() const { return held_.back() >= 0; }
+
+ private:
+  std::array<int, 4> held_;
+};
 
 /// "exit status 3", "killed 9" ... of a process that has ended; empty while it has not. Reaps it.
 std::string reap(pid_t pid);

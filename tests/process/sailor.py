@@ -9,6 +9,7 @@ import os
 import pathlib
 import queue
 import re
+import resource
 import shutil
 import signal
 import subprocess
@@ -239,6 +240,11 @@ def run(*arguments, cwd, stdin=b"", timeout=PATIENCE, environ=None, **options):
     done.stdout = done.stdout.decode("utf-8", "replace")
     done.stderr = done.stderr.decode("utf-8", "replace")
     return done
+
+
+def resource_limit(descriptors):
+    """For a process that is about to be started: so many open files and no more."""
+    resource.setrlimit(resource.RLIMIT_NOFILE, (descriptors, descriptors))
 
 
 class Case(unittest.TestCase):

@@ -6,7 +6,7 @@ import signal
 import time
 
 import sailor
-from sailor import Case, alive, children, until, zombies
+from sailor import Case, children, zombies
 
 # adds one at each tick; of its own: dies, or talks, as its argument says
 COUNTER = """#!/usr/bin/python3 -u
@@ -146,6 +146,42 @@ class Supervision(Case):
         manager.must("end counter")
         manager.must("step 2")
         self.assertEqual(manager.must("get c.n"), "5")
+
+    def test_a_failure_in_the_last_tick_that_was_waited_for_is_an_error_too(self):
+        for line in ("step", "step 3", "run 50ms", "wait c.n == 9 for 50ms"):
+            at = "1" if line == "step" else "3"
+            done = self.run_manager("-c", f"start ./counter -- stop die {at}", "-c", "create counter c", "-c", line, "-c", "echo on")
+            self.assertEqual((done.returncode, done.stdout), (1, ""), done.stderr)
+            self.assertIn("error gone counter ended with exit status 3 at tick " + at, done.stderr)
+
+    def test_programs_that_stop_listening_or_talking_and_live_on(self):
+        # with 1 MB to read that it never reads; its input closed, its output open; the other way round
+        for name, rest in (("deaf", "sleep 1000"), ("shut", "exec 0<&-; sleep 1000"), ("mute", "exec 1>&-; sleep 1000")):
+            with self.subTest(name):
+                self.file(name, f"#!/bin/bash\nread hello\necho reads sphere\necho timeout 0.2s\necho ready\n{rest}\n")
+                os.chmod(self.folder / name, 0o755)
+                script = f"start ./{name}\n" + "".join(f"create sphere b{n}\n" for n in range(20000)) + "step\n"
+                done = self.run_manager(stdin=script.encode(), timeout=60)
+                self.assertEqual(done.returncode, 1, done.stderr)
+                self.assertRegex(done.stderr, rf"error (timeout|gone) {name} ended with (timeout|closed output) at tick")
+
+    def test_forty_programs_and_few_descriptors(self):
+        manager = self.manager(preexec=lambda: sailor.resource_limit(64))
+        manager.must("create node probe")
+        started = 0
+        while (reply := manager.ask(f"start walker as w{started} serving w{started}", timeout=60)).ok:
+            started += 1
+        self.assertEqual(reply.kind, "limit")
+        self.assertGreater(started, 8)
+        manager.must("create walker w3")
+        manager.must("step 5", timeout=60)
+        self.assertEqual(manager.must("get w3.steps"), "5")
+        # one that dies finds what it left
+        os.kill(children(manager.pid)[0], signal.SIGKILL)
+        manager.must("step 5", timeout=60)
+        self.assertEqual(len(children(manager.pid)), started)
+        self.assertFalse(zombies(manager.pid))
+        self.assertEqual(manager.finish(), 1, "a command was refused")
 
     def test_the_next_command_of_a_batch_is_carried_out(self):
         # its end comes from without, and the text that it stood in is at its end

@@ -1,4 +1,5 @@
-// The arm's inverse kinematics against its targets and against other libraries, in one run.
+// The arm's inverse kinematics against its targets and against other libraries, in one run; with the word `ways` why
+// followers lose targets on closed courses.
 
 #include <algorithm>
 #include <cmath>
@@ -9,6 +10,7 @@
 #include "manipulators/arm_ik/contestants.h"
 #include "manipulators/arm_ik/limb.h"
 #include "manipulators/arm_ik/random.h"
+#include "manipulators/arm_ik/ways.h"
 #include "manipulators/kinematics/arm11.h"
 #include "manipulators/kinematics/chain_file.h"
 
@@ -163,9 +165,55 @@ void closed_form() {
               worst);
 }
 
+// why a target is lost: whether anything connected with the posture before goes on along the course, at the same rate
+void losses(const Chain& chain, std::uint64_t seed, int courses) {
+  constexpr int horizon = 60, parts = 8;
+  const Packed packed(chain);
+  int counts[3] = {}, ticks[3] = {};
+  for (int number = 0; number < courses; ++number) {
+    const Course course(chain, lap, seed + number), fine(chain, parts * lap, seed + number);
+    const Ways::Course at = [&](double t) {
+      return kinematics::forward(chain, fine.posture(static_cast<int>(std::lround(parts * t))));
+    };
+    Ways::Options options;
+    options.leap = 2 * course.largest_step() / parts;
+    const Ways ways(chain, options);
+    const Follower one = follower(chain, packed, 2 * course.largest_step() / tick);
+    std::vector<double> q = course.posture(0);
+    for (int settle = 0; settle < 2 * lap; ++settle) one.tick(at(0), q);
+    int why = -1;
+    for (int t = 1; t <= lap; ++t) {
+      const std::vector<double> before = q;
+      const Pose target = at(t);
+      one.tick(target, q);
+      const Pose X = kinematics::forward(chain, q);
+      if ((X.p - target.p).norm() <= 1e-5 && kinematics::rotation_distance(X.R, target.R) <= 1e-4) {
+        why = -1;
+        continue;
+      }
+      if (why < 0) {
+        const Ways::Posture last = Eigen::Map<const Eigen::VectorXd>(before.data(), chain.size());
+        const int gone = ways.goes_on(last, at, t - 1, horizon);
+        why = gone <= 1 ? 0 : gone < horizon ? 1 : 2;
+        ++counts[why];
+      }
+      ++ticks[why];
+    }
+  }
+  std::printf("%-22s losses (ticks): the way ends %d (%d), within %d ticks %d (%d), goes on %d (%d)\n",
+              (chain.name + " courses " + std::to_string(seed)).c_str(), counts[0], ticks[0], horizon, counts[1],
+              ticks[1], counts[2], ticks[2]);
+}
+
 }  // namespace
 
-int main() {
+int main(int argc, char** argv) {
+  if (argc > 1 && std::string(argv[1]) == "ways") {
+    for (const std::uint64_t seed : {100, 200, 300}) losses(kinematics::arm11(), seed, 10);
+    losses(iiwa14(), 100, 10);
+    losses(panda(), 100, 10);
+    return 0;
+  }
   std::printf("%-22s %-13s %8s %7s %10s %10s %11s %9s\n", "set", "solver", "targets", "failed", "median us", "p99 us",
               "median m", "rad");
   const Chain arm = kinematics::arm11();

@@ -83,8 +83,9 @@ constexpr double least_distance = 0.02;  // to the middle of the eyes, m
 
 double two_digits(double x) {
   if (!(x > 0)) return 0;
-  const double unit = std::pow(10.0, std::floor(std::log10(x)) - 1);
-  return std::round(x / unit) * unit;
+  // a quotient of whole numbers, so that it is written with two digits too
+  const double parts = std::round(std::pow(10.0, 1 - std::floor(std::log10(x))));
+  return parts >= 1 ? std::round(x * parts) / parts : std::round(x);
 }
 
 Vector3d vector_of(const Vec3& p) { return {p[0], p[1], p[2]}; }

@@ -14,9 +14,22 @@ objdb::Error Call::error(int index, objdb::ErrorKind kind, std::string sentence)
   return {kind, std::move(sentence), word.column};
 }
 
+namespace {
+
+// enough to tell a few dozen verbs apart
+struct VerbHash {
+  std::size_t operator()(std::string_view name) const {
+    if (name.empty()) return 0;
+    const auto byte = [&](std::size_t i) { return std::size_t{static_cast<unsigned char>(name[i])}; };
+    return name.size() + 8 * byte(0) + 64 * byte(name.size() / 2) + 256 * byte(name.size() - 1);
+  }
+};
+
+}  // namespace
+
 const Command* find_command(std::string_view name) {
   static const auto index = [] {
-    tsl::robin_map<std::string_view, const Command*> out;
+    tsl::robin_map<std::string_view, const Command*, VerbHash> out;
     for (const Command* command : commands()) out.emplace(command->name, command);
     return out;
   }();

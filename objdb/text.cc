@@ -6,6 +6,10 @@
 #include <charconv>
 #include <cstring>
 
+#ifdef __SSE2__
+#include <emmintrin.h>
+#endif
+
 namespace objdb {
 namespace {
 
@@ -66,26 +70,51 @@ Status check_bytes(std::string_view line) {
   return {};
 }
 
-constexpr std::uint64_t each_byte = 0x0101010101010101ull, top_bits = 0x80 * each_byte;
+// what 16 bytes are, a bit each: part of a bare word of ASCII; a blank. Neither: the line is looked at with care
+struct Kinds {
+  std::uint64_t word = 0, blank = 0;
+};
 
-// the top bit of every byte that ends a bare word or is not to be there: blanks and control bytes, the quote, DEL, what
-// is no ASCII. No byte carries into the next
-std::uint64_t ends_of_word(std::uint64_t bytes) {
-  const std::uint64_t low = bytes & ~top_bits;
-  const std::uint64_t above_blank = low + (0x7f - 0x20) * each_byte, is_delete = low + each_byte,
-                      no_quote = (low ^ 0x22 * each_byte) + 0x7f * each_byte;
-  return (bytes | is_delete | ~above_blank | ~no_quote) & top_bits;
+Kinds kinds_of(const char* bytes) {
+#ifdef __SSE2__
+  // bytes beyond ASCII are negative
+  const __m128i all = _mm_loadu_si128(reinterpret_cast<const __m128i*>(bytes));
+  const auto equal = [&](char c) { return _mm_cmpeq_epi8(all, _mm_set1_epi8(c)); };
+  const __m128i graphic = _mm_cmpgt_epi8(all, _mm_set1_epi8(' '));
+  const __m128i word = _mm_andnot_si128(_mm_or_si128(equal('"'), equal('\x7f')), graphic);
+  const auto bits = [](__m128i each) { return static_cast<std::uint64_t>(_mm_movemask_epi8(each)); };
+  return {bits(word), bits(_mm_or_si128(equal(' '), equal('\t')))};
+#else
+  Kinds out;
+  for (unsigned i = 0; i < 16; ++i) {
+    const auto byte = static_cast<unsigned char>(bytes[i]);
+    out.word |= std::uint64_t{byte > 0x20 && byte < 0x7f && byte != '"'} << i;
+    out.blank |= std::uint64_t{is_blank(bytes[i])} << i;
+  }
+  return out;
+#endif
 }
 
-// eight bytes of the line, the first in the lowest place; zeros behind its end
-std::uint64_t bytes_at(std::string_view line, std::size_t at) {
-  std::uint64_t bytes = 0;
-  if (const std::size_t rest = line.size() - at; rest >= 8 && std::endian::native == std::endian::little)
-    std::memcpy(&bytes, line.data() + at, 8);
-  else
-    for (std::size_t i = 0; i < std::min<std::size_t>(rest, 8); ++i)
-      bytes |= std::uint64_t{static_cast<unsigned char>(line[at + i])} << (8 * i);
-  return bytes;
+// the same of up to 64 bytes; nothing stands behind the last
+Kinds kinds_of(std::string_view bytes) {
+  Kinds out;
+  const auto take = [&](const char* from, std::size_t at, std::size_t skipped) {
+    const Kinds each = kinds_of(from);
+    out.word |= each.word >> skipped << at;
+    out.blank |= each.blank >> skipped << at;
+  };
+  std::size_t at = 0;
+  for (; at + 16 <= bytes.size(); at += 16) take(bytes.data() + at, at, 0);
+  if (at == bytes.size()) return out;
+  if (at > 0) {
+    // the last 16, some of which were looked at
+    take(bytes.data() + bytes.size() - 16, at, at + 16 - bytes.size());
+  } else {
+    std::array<char, 16> few{};
+    std::memcpy(few.data(), bytes.data(), bytes.size());
+    take(few.data(), 0, 0);
+  }
+  return out;
 }
 
 }  // namespace
@@ -98,24 +127,35 @@ Status LineWords::split(std::string_view line) {
 bool LineWords::split_plain(std::string_view line) {
   tag_ = {};
   words_.clear();
-  std::size_t at = 0;
-  while (true) {
-    while (at < line.size() && is_blank(line[at])) ++at;
-    if (at == line.size()) break;
-    const std::size_t start = at;
-    std::uint64_t ends = 0;
-    while ((ends = ends_of_word(bytes_at(line, at))) == 0) at += 8;
-    at += static_cast<std::size_t>(std::countr_zero(ends)) / 8;
-    if (at < line.size() && !is_blank(line[at])) return false;
-    const std::string_view text = line.substr(start, at - start);
+  std::size_t start = 0;
+  std::uint64_t inside = 0;  // 1: a word has begun at `start`
+  const auto close = [&](std::size_t end) {
+    const std::string_view text = line.substr(start, end - start);
     if (text[0] == '#') return false;
-    if (text[0] == '@' && words_.empty() && tag_.empty() && text.size() > 1)
-      tag_ = text.substr(1);
-    else if (text[0] == '@' && words_.empty())
-      return false;
-    else
+    if (text[0] != '@' || !words_.empty()) {
       words_.push_back({text, static_cast<int>(start) + 1, false});
+      return true;
+    }
+    if (!tag_.empty() || text.size() == 1) return false;
+    tag_ = text.substr(1);
+    return true;
+  };
+  for (std::size_t block = 0; block < line.size(); block += 64) {
+    const std::string_view bytes = line.substr(block, 64);
+    const Kinds kinds = kinds_of(bytes);
+    if (((kinds.word | kinds.blank) + 1) << (64 - bytes.size()) != 0) return false;
+    // where words begin and end, by turns
+    for (std::uint64_t edges = kinds.word ^ (kinds.word << 1 | inside); edges != 0; edges &= edges - 1) {
+      const std::size_t at = block + static_cast<std::size_t>(std::countr_zero(edges));
+      if (at >= line.size()) break;
+      if (inside == 0)
+        start = at;
+      else if (!close(at))
+        return false;
+      inside ^= 1;
+    }
   }
+  if (inside != 0 && !close(line.size())) return false;
   return tag_.empty() || !words_.empty();
 }
 

@@ -313,8 +313,10 @@ bool Type::is(const Type& ancestor) const {
 
 int Type::find(std::string_view name) const {
   const std::uint64_t key = name_key(name);
+  // the key of a short name is all of it
+  const bool whole = name.size() <= 7;
   for (std::size_t i = 0; i < keys_.size(); ++i)
-    if (keys_[i] == key && fields_[i]->name == name) return static_cast<int>(i);
+    if (keys_[i] == key && (whole || fields_[i]->name == name)) return static_cast<int>(i);
   return -1;
 }
 

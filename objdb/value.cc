@@ -26,7 +26,11 @@ void swap_values(Value& a, Value& b) {
 
 bool same_bits(const Value& a, const Value& b) {
   if (a.index() != b.index()) return false;
-  const auto same = [](const auto* left, const auto* right) { return std::memcmp(left, right, sizeof *left) == 0; };
+  // word by word, without a call
+  const auto same = [](const auto* left, const auto* right) {
+    using Bits = std::array<std::uint64_t, sizeof *left / sizeof(std::uint64_t)>;
+    return std::bit_cast<Bits>(*left) == std::bit_cast<Bits>(*right);
+  };
   switch (a.index()) {
     case 0: return same(std::get_if<0>(&a), std::get_if<0>(&b));
     case 1: return same(std::get_if<1>(&a), std::get_if<1>(&b));

@@ -97,7 +97,7 @@ bool Manager::open_journals() {
       event("event journal " + options_.resume + " " + text->flaw + "; what stands before it is taken up");
     // nobody else may write it from now on
     if (Status resumed = recorder.resume(options_.resume, *text); !resumed) return refuse(resumed.error());
-    text->records = records_until(*text, std::numeric_limits<double>::infinity());
+    text->records = records_until(std::move(text->records), text->start, std::numeric_limits<double>::infinity());
     main_->await(replay(std::move(*text), true), options_.resume + ":1");
   } else if (!options_.journal.empty()) {
     if (Status begun = recorder.begin(options_.journal, Journal::Sync::everysec); !begun) return refuse(begun.error());

@@ -38,7 +38,7 @@ Outcome Playback::rewind(double time) {
     return Error{ErrorKind::range,
                  "the time is " + number(time) + ", expected " + number(text->start.time) + " to " + number(now) + " s",
                  0};
-  text->records = records_until(*text, time);
+  text->records = records_until(std::move(text->records), text->start, time);
   empty_world();
   rewinding_ = time;
   return replay(std::move(*text), true);

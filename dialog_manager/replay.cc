@@ -224,27 +224,29 @@ std::unique_ptr<Operation> replay(JournalText text, bool live) {
   return std::make_unique<Replay>(std::move(text), live);
 }
 
-std::vector<Record> records_until(const JournalText& text, double time) {
+std::vector<Record> records_until(std::vector<Record> records, const JournalStart& start, double time) {
   constexpr double rounding = 1e-9;
-  std::vector<Record> out;
+  // in its place: a journal may be long
+  const auto first = records.begin();
+  auto end = first;
   // the first record of the first tick beyond the time ends it
   const auto cut = [&](double until) {
-    std::uint64_t tick = text.start.tick;
-    for (const Record& record : out)
-      if (record.source == tick_source)
-        if (const auto line = parse_tick(record); line && line->time <= until + rounding) tick = line->tick;
-    const auto beyond = std::find_if(out.begin(), out.end(), [&](const Record& record) { return record.tick > tick; });
-    out.erase(beyond, out.end());
+    std::uint64_t tick = start.tick;
+    for (auto record = first; record != end; ++record)
+      if (record->source == tick_source)
+        if (const auto line = parse_tick(*record); line && line->time <= until + rounding) tick = line->tick;
+    end = std::find_if(first, end, [&](const Record& record) { return record.tick > tick; });
   };
-  for (const Record& record : text.records) {
+  for (const Record& record : records) {
     if (record.source == rewind_source) {
       if (const Result<double> to = parse_real(record.line, {})) cut(*to);
     } else {
-      out.push_back(record);
+      *end++ = record;
     }
   }
   cut(time);
-  return out;
+  records.erase(end, records.end());
+  return records;
 }
 
 }  // namespace manager

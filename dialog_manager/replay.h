@@ -32,7 +32,7 @@ Outcome say_again(Manager& manager, const Record& record, const std::string& jou
 Outcome say_again(Manager& manager, const Record& record, const objdb::LineWords& words, const std::string& journal,
                   bool owning);
 
-/// The records up to a time, with what `rewind` records took back left out.
-std::vector<Record> records_until(const JournalText& text, double time);
+/// The records of a journal that begins so, up to a time, with what `rewind` records took back left out.
+std::vector<Record> records_until(std::vector<Record> records, const JournalStart& start, double time);
 
 }  // namespace manager

@@ -237,8 +237,9 @@ Status LineWords::quoted_word(std::string_view line, std::size_t& at) {
 }
 
 void append_quoted(std::string& out, std::string_view text) {
+  const auto breaks = [](char c) { return c == ' ' || c == '\t' || c == '\n' || c == '"' || c == '\\'; };
   const bool bare = !text.empty() && text != "-" && text[0] != '#' && text[0] != '@' &&
-                    text.find_first_of(" \t\n\"\\") == std::string_view::npos;
+                    std::none_of(text.begin(), text.end(), breaks);
   if (bare) {
     out += text;
     return;

@@ -23,7 +23,7 @@ Outcome run(Call& call) {
                       "the world has " + std::to_string(manager.world.size()) + " objects, expected an empty one");
   if (!text->flaw.empty())
     manager.event("event journal " + path + " " + text->flaw + "; what stands before it is taken up");
-  text->records = records_until(*text, 1e300);
+  text->records = records_until(std::move(text->records), text->start, 1e300);
   return live ? live_replay(std::move(*text)) : replay(std::move(*text), false);
 }
 

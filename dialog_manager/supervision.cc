@@ -35,6 +35,8 @@ void Manipulator::became_ready() {
   deadline_.reset();
   life_.take(Life::Event::declared);
   declared_ = std::move(handshake_.declared());
+  // who is asked to end hears nothing more
+  if (quitting_) return;
   if (!begun()) {
     begin_story();
     return;
@@ -59,6 +61,7 @@ void Manipulator::begin_story() {
 // -- the end of a life
 
 void Manipulator::quit() {
+  if (quitting_ && alive()) return;
   quitting_ = true;
   restart_at_.reset();
   if (!alive()) {

@@ -31,7 +31,7 @@ KINDS = "syntax unknown exists type unit range owner busy timeout gone limit io"
 
 def environment(home, **more):
     """The environment of a test: test programs on PATH, no settings of the person who runs it."""
-    wanted = {name: os.environ[name] for name in ("ASAN_OPTIONS", "UBSAN_OPTIONS", "DISPLAY") if name in os.environ}
+    wanted = {name: os.environ[name] for name in ("ASAN_OPTIONS", "LSAN_OPTIONS", "UBSAN_OPTIONS", "DISPLAY") if name in os.environ}
     path = os.pathsep.join([str(PROGRAMS), str(BIN.parent / "tests/programs"), "/usr/local/bin:/usr/bin:/bin"])
     return {**wanted, "PATH": path, "HOME": str(home), "LC_ALL": "C.UTF-8", "TERM": "xterm", **more}
 

@@ -61,6 +61,18 @@ class Signals(Case):
         manager.event("gone walker")
         time.sleep(0.02)
 
+    def a_restart_that_takes_its_time(self, manager):
+        program = self.folder / "slow"
+        program.write_text("#!/bin/sh\nif [ -e again ]; then sleep 0.3; fi\n: > again\n"
+                           f"exec {sailor.PROGRAMS}/walker kill! tick\n")
+        program.chmod(0o755)
+        (self.folder / "again").unlink(missing_ok=True)
+        manager.must("end walker")
+        manager.must("start ./slow as walker")
+        manager.send(b"@r step\n")
+        manager.event("gone walker")
+        time.sleep(0.1)
+
     def a_transaction(self, manager):
         manager.must("begin")
         manager.must("set w.reach 0.3")
@@ -89,7 +101,8 @@ class Signals(Case):
         manager.send(b"help\n" * 2000)
         time.sleep(0.05)
 
-    STAGES = ("idle", "a_run", "a_fast_run", "time_by_itself", "a_start", "a_tick_that_hangs", "a_verb", "a_pause_before_a_restart", "a_transaction",
+    STAGES = ("idle", "a_run", "a_fast_run", "time_by_itself", "a_start", "a_tick_that_hangs", "a_verb", "a_pause_before_a_restart",
+              "a_restart_that_takes_its_time", "a_transaction",
               "a_long_script", "a_replay", "half_a_line", "an_end_that_is_not_heard", "answers_that_nobody_reads")
 
     def check(self, stage, number):

@@ -24,10 +24,20 @@ class Clock {
   void advance() { ++tick_; }
   /// For a world that is taken up again.
   void set(std::uint64_t tick, double time);
+  /// The tick and time that all times are computed from: those of the last change of the rate.
+  std::uint64_t base_tick() const { return base_tick_; }
+  double base_time() const { return base_time_; }
+  /// After set(): computes from an earlier tick, so that times have the bits that they had.
+  void compute_from(std::uint64_t base_tick, double base_time) {
+    base_tick_ = base_tick;
+    base_time_ = base_time;
+  }
 
   /// Simulated seconds a second of the wall; 0: as fast as it goes.
   double pace() const { return pace_; }
   void set_pace(double pace);
+  /// Slower or faster than this is no pace: the time of a tick could not be counted.
+  static bool is_pace(double pace) { return pace >= 1e-6 && pace <= 1e6; }
   /// When the wall clock wants the next tick; nothing when it is to come at once.
   std::optional<Wall::time_point> next_tick_due() const;
   /// Time begins to flow after a rest: what was missed is not made up.

@@ -28,14 +28,23 @@ std::vector<double> components(const Value& value) {
   return {};
 }
 
+// what stands between two numbers beyond a tolerance, but for the rounding of both: 4cm is 5cm +- 1cm
+bool within(double distance, double tolerance, double x, double y) {
+  if (distance <= tolerance) return true;
+  constexpr double unit_roundoff = 0x1p-52;
+  return tolerance > 0 && distance - tolerance <= unit_roundoff * std::max(std::abs(x), std::abs(y));
+}
+
 // equality of numbers is of values (0 == -0), with a tolerance in each component
 bool equal(const Field& field, const Value& a, const Value& b, double tolerance) {
+  if (field.kind == Kind::integer && tolerance == 0) return same_bits(a, b);
   const bool numeric = field.kind == Kind::real || field.kind == Kind::vec3 || field.kind == Kind::quat ||
                        (field.kind == Kind::integer && !field.array);
   if (!numeric) return same_bits(a, b);
   const std::vector<double> left = components(a), right = components(b);
-  return left.size() == right.size() && std::equal(left.begin(), left.end(), right.begin(),
-                                                   [&](double x, double y) { return std::abs(x - y) <= tolerance; });
+  return left.size() == right.size() && std::equal(left.begin(), left.end(), right.begin(), [&](double x, double y) {
+           return within(std::abs(x - y), tolerance, x, y);
+         });
 }
 
 // the field that one element of an array, or one component of a vec3 or quat, is
@@ -128,9 +137,13 @@ Result<Condition> Condition::parse(const Database& world, Words words, const Sco
   Field unranged = compared;
   unranged.ranged = false;
   if (const Result<Value> value = parse_value(unranged, value_words, names); !value) return value.error();
-  if (!condition.tolerance_.empty())
-    if (const Result<double> tolerance = parse_real(condition.tolerance_, field.dimension(0)); !tolerance)
-      return Error{tolerance.error().kind, tolerance.error().sentence, words[used - 1].column};
+  if (!condition.tolerance_.empty()) {
+    const Result<double> tolerance = parse_real(condition.tolerance_, field.dimension(0));
+    if (!tolerance) return Error{tolerance.error().kind, tolerance.error().sentence, words[used - 1].column};
+    if (!(*tolerance >= 0))
+      return Error{ErrorKind::range, "the tolerance is " + condition.tolerance_ + ", expected 0 or more",
+                   words[used - 1].column};
+  }
   return condition;
 }
 
@@ -179,9 +192,9 @@ Result<bool> Condition::check(const Database& world, std::string* failure) const
     } else {
       const double left = *as_number(field, value), right = *as_number(field, *wanted);
       good = compare_ == Compare::less         ? left < right + tolerance
-             : compare_ == Compare::less_equal ? left <= right + tolerance
+             : compare_ == Compare::less_equal ? left <= right || within(left - right, tolerance, left, right)
              : compare_ == Compare::greater    ? left > right - tolerance
-                                               : left >= right - tolerance;
+                                               : left >= right || within(right - left, tolerance, left, right);
     }
     if (good) continue;
     if (failure != nullptr) {

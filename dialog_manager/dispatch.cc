@@ -11,22 +11,42 @@ namespace {
 
 using namespace objdb;
 
+// where a word stands in the line that a program is told, and in the line that was said; so many columns on they agree
+struct Place {
+  int told, said, alike;
+};
+
 // a forwarded command waits for its manipulator's answer
 class Asked : public Operation {
  public:
-  Asked(std::string program, std::uint64_t number) : program_(std::move(program)), number_(number) {}
+  Asked(std::string program, std::uint64_t number, std::vector<Place> places)
+      : program_(std::move(program)), number_(number), places_(std::move(places)) {}
   std::optional<Status> poll(Manager& manager, std::string& out) override {
     Manipulator* manipulator = manager.programs.find(program_);
     if (manipulator == nullptr) return Status(Error{ErrorKind::gone, program_ + " is gone", 0});
     std::optional<Requests::Reply> reply = manipulator->take_reply(number_);
     if (!reply) return std::nullopt;
     out += reply->body;
-    return reply->status;
+    if (reply->status) return reply->status;
+    Error error = reply->status.error();
+    error.column = column_said(error.column);
+    return Status(std::move(error));
   }
 
  private:
+  // the program counts in the line that it was told, behind a tag of its own
+  int column_said(int column) const {
+    column -= static_cast<int>(("@" + std::to_string(number_) + " ").size());
+    const Place* place = nullptr;
+    for (const Place& each : places_)
+      if (each.told <= column) place = &each;
+    if (place == nullptr) return 0;
+    return place->said + std::min(column - place->told, place->alike);
+  }
+
   std::string program_;
   std::uint64_t number_;
+  std::vector<Place> places_;
 };
 
 Error unknown_verb(const Manager& manager, const Word& verb) {
@@ -79,6 +99,19 @@ std::string forwarded(const Call& call, const Manipulator::Verb& verb, const Dat
   return line;
 }
 
+// its words are those that were said, in their order
+std::vector<Place> places_of(const Call& call, std::string_view told) {
+  std::vector<Place> out;
+  LineWords words;
+  if (!words.split(told)) return out;
+  for (std::size_t i = 0; i < words.words().size() && i <= call.words.size(); ++i) {
+    const Word &there = words.words()[i], &here = i == 0 ? call.verb : call.words[i - 1];
+    const bool same = there.text == here.text && there.quoted == here.quoted;
+    out.push_back({there.column, here.column, same ? static_cast<int>(here.text.size()) : 0});
+  }
+  return out;
+}
+
 }  // namespace
 
 Outcome Dispatch::execute(Source& source, Session* session, const LineWords& words, std::string_view line,
@@ -126,8 +159,8 @@ Status Dispatch::may_say(const Call& call, const Command& command) const {
 }
 
 Outcome Dispatch::steer(Call& call, const Command& command, bool kept) {
-  monitor(call.source, call.line);
   Outcome outcome = command.run(call);
+  if (outcome.status) monitor(call.source, call.line);
   // a program that could not be started is not started again by who goes on with the journal
   outcome.kept = kept && outcome.operation != nullptr;
   if (kept && outcome.status && !outcome.kept) manager_.recorder.add(call.source, call.scope.prefix, call.line);
@@ -162,15 +195,24 @@ void Dispatch::monitor(const Source& source, std::string_view line) {
   monitored_->event("event said " + source.name + " " + std::string(line));
 }
 
-// --check makes the objects of a script, so that what is said of them can be checked; nothing else happens
+// --check makes the objects of a script, so that what is said of them can be checked; no time passes, nothing is
+// written
 Outcome Dispatch::check_only(Call& call, const Command& command) {
-  if (command.name == "source" || command.name == "start") return command.run(call);
-  if (command.name == "expect" || command.name == "wait" || command.name == "when") {
+  static constexpr std::string_view reaching_out[] = {"branch", "checkpoints", "end",     "expect", "journal", "listen",
+                                                      "quit",   "replay",      "resume",  "rewind", "save",    "stats",
+                                                      "trace",  "unlisten",    "monitor", "watch"};
+  if (command.name == "expect") {
     std::size_t used = 0;
     const Result<Condition> condition = Condition::parse(manager_.world, call.words, call.scope, used);
     if (!condition) return condition.error();
   }
-  return {};
+  if (std::find(std::begin(reaching_out), std::end(reaching_out), command.name) != std::end(reaching_out)) return {};
+  const std::size_t said = call.out.size();
+  Outcome outcome = command.run(call);
+  call.out.resize(said);
+  // what takes time has been read; a program must be there, so that its types are known
+  if (command.name != "start") outcome.operation.reset();
+  return outcome;
 }
 
 // -- verbs of programs
@@ -207,15 +249,17 @@ Outcome Dispatch::forward(Call& call, Manipulator& manipulator, const Manipulato
   const std::string line = forwarded(call, verb, manager_.world);
   if (Status room = manager_.recorder.room_for(line.size() + 256); !room) return room.error();
   speak_as(call.source, call.line);
-  return ask(addressed, line);
+  monitor(call.source, call.line);
+  return ask(addressed, line, &call);
 }
 
-std::unique_ptr<Operation> Dispatch::ask(Manipulator& manipulator, std::string_view line) {
+std::unique_ptr<Operation> Dispatch::ask(Manipulator& manipulator, std::string_view line, const Call* said) {
   const std::uint64_t number = manipulator.ask(line);
   Source asked;
   asked.name = ask_source;
   manager_.recorder.add(asked, "", manipulator.name + " " + std::to_string(number) + " " + std::string(line));
-  return std::make_unique<Asked>(manipulator.name, number);
+  return std::make_unique<Asked>(manipulator.name, number,
+                                 said == nullptr ? std::vector<Place>() : places_of(*said, line));
 }
 
 }  // namespace manager

@@ -17,8 +17,8 @@ class Dispatch {
 
   Outcome execute(Source& source, Session* session, const objdb::LineWords& words, std::string_view line,
                   const objdb::Scope& scope, std::string& out);
-  /// Forwards a line to a program, and waits for its reply.
-  std::unique_ptr<Operation> ask(Manipulator& manipulator, std::string_view line);
+  /// Forwards a line to a program, and waits for its reply; `said` is how it was said, for the columns of errors.
+  std::unique_ptr<Operation> ask(Manipulator& manipulator, std::string_view line, const Call* said = nullptr);
   /// Who says the next changes, by this line.
   void speak_as(const Source& source, std::string_view line);
   /// Tells this session every accepted line, with who said it; null: nobody.

@@ -79,7 +79,8 @@ bool parse_record(std::string_view text, Record& record, std::deque<std::string>
 
 bool parse_start(std::string_view text, JournalStart& start) {
   LineWords words;
-  if (Status split = words.split(text); !split || words.words().size() != 6) return false;
+  if (Status split = words.split(text); !split || (words.words().size() != 6 && words.words().size() != 8))
+    return false;
   const Words all = words.words();
   if (std::string(all[0].text) + " " + std::string(all[1].text) != heading) return false;
   const auto value = [&](std::size_t index, std::string_view key) -> std::string_view {
@@ -88,6 +89,12 @@ bool parse_start(std::string_view text, JournalStart& start) {
   const Result<std::int64_t> tick = parse_integer(value(2, "tick="));
   const Result<double> time = parse_real(value(3, "time="), {}), rate = parse_real(value(4, "rate="), {});
   const std::string_view seed = value(5, "seed=");
+  const bool computed = all.size() == 8;
+  const Result<std::int64_t> base_tick = parse_integer(computed ? value(6, "base_tick=") : value(2, "tick="));
+  const Result<double> base_time = parse_real(computed ? value(7, "base_time=") : value(3, "time="), {});
+  if (!base_tick || !base_time || *base_tick < 0) return false;
+  start.base_tick = static_cast<std::uint64_t>(*base_tick);
+  start.base_time = *base_time;
   if (!tick || !time || !rate || *tick < 0 || !(*rate > 0)) return false;
   start.tick = static_cast<std::uint64_t>(*tick);
   start.time = *time;
@@ -125,6 +132,9 @@ Result<std::unique_ptr<Journal>> Journal::create(const std::string& path, Sync s
   ::unlink(ArrayFile::path_of(path).c_str());
   std::string first = std::string(heading) + " tick=" + std::to_string(start.tick) + " time=" + number(start.time) +
                       " rate=" + number(start.rate) + " seed=" + std::to_string(start.seed);
+  // a time is computed from the last change of the rate: taken up elsewhere, it would differ in its last bit
+  if (start.base_tick != start.tick)
+    first += " base_tick=" + std::to_string(start.base_tick) + " base_time=" + number(start.base_time);
   if (Status room = (*journal)->reserve(first.size() + 16); !room) return room.error();
   (*journal)->check_ = check_of(0, first);
   (*journal)->buffer_.resize(8);

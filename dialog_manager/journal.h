@@ -27,6 +27,8 @@ struct JournalStart {
   std::uint64_t tick = 0;
   double time = 0, rate = 60;
   std::uint64_t seed = 0;
+  std::uint64_t base_tick = 0;  ///< and what its time was computed from
+  double base_time = 0;
 };
 
 /// Every accepted line, stamped, on disk before it is acknowledged. A text file; each line carries a check over itself
@@ -100,5 +102,15 @@ inline constexpr std::string_view tick_source = "tick";
 inline constexpr std::string_view checkpoint_source = "checkpoint";
 /// The source of the record of a `rewind`: the time. What came after that time before it did not happen.
 inline constexpr std::string_view rewind_source = "rewind";
+/// The source of a command that was forwarded to a program: "NAME NUMBER LINE".
+inline constexpr std::string_view ask_source = "ask";
+/// The source of a command that was put off before the journal began: "ID START RUNS HELD LINE", or "ID" of the next.
+inline constexpr std::string_view later_source = "later";
+
+/// Nobody else may speak under these names.
+inline bool is_source_of_manager(std::string_view name) {
+  return name == tick_source || name == checkpoint_source || name == rewind_source || name == ask_source ||
+         name == later_source || name == "main" || name == "schedule" || name == "manager";
+}
 
 }  // namespace manager

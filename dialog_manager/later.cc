@@ -20,6 +20,9 @@ Result<Schedule::Entry> command_for_later(const Call& call, std::size_t index) {
   if (Status split = words.split(entry.command); !split)
     return call.error(static_cast<int>(index), split.error().kind, split.error().sentence);
   if (words.empty()) return call.error(static_cast<int>(index), ErrorKind::syntax, "expected a command");
+  if (!words.tag().empty())
+    return call.error(static_cast<int>(index), ErrorKind::syntax,
+                      quote("@" + std::string(words.tag())) + ": what is said later is answered to nobody");
   const std::string_view verb = words.words()[0].text;
   bool known = false;
   if (const Command* command = find_command(verb)) {
@@ -27,10 +30,15 @@ Result<Schedule::Entry> command_for_later(const Call& call, std::size_t index) {
     if (command->effect == Effect::time)
       return call.error(static_cast<int>(index), ErrorKind::busy,
                         quote(verb) + " makes time pass and cannot be said later");
+    if (verb == "begin" || verb == "commit" || verb == "rollback")
+      return call.error(static_cast<int>(index), ErrorKind::busy,
+                        quote(verb) + " cannot be said later: a transaction belongs to one conversation");
   }
   for (const auto& manipulator : call.manager.programs.all())
     for (const Manipulator::Verb& each : manipulator->verbs()) known = known || each.name == verb;
-  if (!known) return call.error(static_cast<int>(index), ErrorKind::unknown, "no verb " + quote(verb));
+  // a journal is also carried out without the programs whose verbs it puts off
+  if (!known && !call.manager.playback.replaying())
+    return call.error(static_cast<int>(index), ErrorKind::unknown, "no verb " + quote(verb));
   return entry;
 }
 

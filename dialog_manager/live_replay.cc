@@ -79,6 +79,7 @@ class LiveReplay : public Operation {
     manager.seed(text_.start.seed);
     manager.clock.set_rate(text_.start.rate);
     manager.clock.set(text_.start.tick, text_.start.time);
+    manager.clock.compute_from(text_.start.base_tick, text_.start.base_time);
     begin_tick(manager);
   }
 

@@ -11,6 +11,7 @@
 #include <filesystem>
 #include <iostream>
 
+#include "dialog_manager/count.h"
 #include "dialog_manager/manager.h"
 #include "dialog_manager/script_file.h"
 
@@ -48,12 +49,14 @@ int main(int argc, char** argv) {
   app.add_flag("-i,--interactive", options.interactive, "a prompt after scripts and commands");
   app.add_flag("--framed", options.framed, "replies for programs: framed and tagged");
   app.add_flag("--keep-going", options.keep_going, "go on after an error (the exit status is 1 all the same)");
-  app.add_option("--seed", options.seed, "given to every program (default 0)");
+  std::string seed = "0";
+  app.add_option("--seed", seed, "given to every program, 0 to 2^64 - 1 (default 0)");
   CLI::Option* journal_option = app.add_option("--journal", options.journal, "keep every accepted line in this file");
   app.add_option("--resume", options.resume, "go on where this journal ends")->excludes(journal_option);
   std::string pace = "fast";
   app.add_option("--pace", pace, "fast, realtime, or simulated seconds a second");
   app.add_flag("--check", options.check, "read and check scripts and commands, change nothing");
+  app.set_version_flag("--version", "dialog_manager " SAILOR_VERSION);
   bool no_rc = false;
   app.add_flag("--norc", no_rc, "do not read ~/.dialog_managerrc at the prompt");
   try {
@@ -63,12 +66,18 @@ int main(int argc, char** argv) {
     return status == 0 ? 0 : 2;
   }
 
+  const std::optional<std::uint64_t> seed_number = manager::parse_count(seed);
+  if (!seed_number) {
+    std::cerr << "--seed: " << seed << " is no seed, expected a whole number from 0 to 2^64 - 1\n";
+    return 2;
+  }
+  options.seed = *seed_number;
   if (pace == "realtime") {
     options.pace = 1;
   } else if (pace != "fast") {
     const objdb::Result<double> value = objdb::parse_real(pace, {});
-    if (!value || !(*value > 0)) {
-      std::cerr << "--pace: " << pace << " is no pace, expected fast, realtime or a number above 0\n";
+    if (!value || !manager::Clock::is_pace(*value)) {
+      std::cerr << "--pace: " << pace << " is no pace, expected fast, realtime or a number from 1e-6 to 1e6\n";
       return 2;
     }
     options.pace = *value;

@@ -160,22 +160,23 @@ bool Manager::step_time() {
 
 bool Manager::step_sessions() {
   // what the schedule began is ended before anyone else speaks
-  if (scheduled_->operation() != nullptr) {
-    const bool did = scheduled_->step(*this, 1);
-    if (scheduled_->operation() != nullptr) return did;
+  if (!scheduled_->finished()) {
+    const bool did = scheduled_->step(*this, lines_at_a_time);
+    if (!scheduled_->finished()) return did;
   }
   // a few lines each, so that nobody waits for a flood
   bool did = main_->step(*this, lines_at_a_time);
-  for (const auto& speaker : speakers.all()) {
-    if (!resting() || scheduled_->operation() != nullptr) break;
+  // what they say may add speakers, or take some away, which are buried in the next turn
+  std::vector<Session*> now;
+  for (const auto& speaker : speakers.all()) now.push_back(speaker.get());
+  for (Session* speaker : now) {
+    if (!resting() || !scheduled_->finished()) break;
     did |= speaker->step(*this, lines_at_a_time / 16);
   }
   return did;
 }
 
-bool Manager::all_read() const {
-  return main_->finished() && scheduled_->operation() == nullptr && lockstep_.resting();
-}
+bool Manager::all_read() const { return main_->finished() && scheduled_->finished() && lockstep_.resting(); }
 
 std::optional<Wall::time_point> Manager::next_deadline() const {
   std::optional<Wall::time_point> first = programs.deadline();
@@ -275,9 +276,10 @@ void Manager::session_failed(Session& session) {
   if (&session != main_.get() && &session != scheduled_.get()) return;
   exit_status_ = 1;
   if (options_.keep_going) return;
-  if (options_.interactive)
+  // a program that speaks goes on after an error; what it was given to read first does not
+  if (options_.interactive || (session.style() == Session::Style::framed && options_.read_input))
     session.leave_texts();
-  else if (session.style() == Session::Style::people)
+  else
     main_->stop();
 }
 
@@ -305,7 +307,7 @@ bool Manager::paused_for_good(std::uint16_t source) const {
 }
 
 bool Manager::wants_tick() const {
-  if (history.in_transaction() || scheduled_->operation() != nullptr) return false;
+  if (history.in_transaction() || !scheduled_->finished()) return false;
   if (free_ && !paused()) return true;
   const auto wants = [&](const Session& session) {
     const Operation* operation = session.operation();

@@ -51,6 +51,7 @@ void Playback::empty_world() {
   manager_.world.for_each("**", [&](const Object& object) { all.push_back(object.id); });
   (void)manager_.world.erase(all, true);
   manager_.schedule.clear();
+  manager_.set_budget({});
   manager_.history.forget();
 }
 

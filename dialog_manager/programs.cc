@@ -41,6 +41,9 @@ std::vector<Manipulator*> Programs::by_name() const {
 Result<std::string> Programs::name_for(const Start& what) const {
   std::string name = what.as.empty() ? name_of_file(what.program) : what.as;
   if (!is_name(name)) return Error{ErrorKind::syntax, quote(name) + " is not a name ([A-Za-z_][A-Za-z0-9_]*)", 0};
+  if (is_source_of_manager(name))
+    return Error{ErrorKind::exists,
+                 name + " is a name of the manager's own, expected another: start " + what.program + " as NAME", 0};
   const Manipulator* known = find(name);
   if (known != nullptr && !known->over())
     return Error{ErrorKind::exists, name + " runs already, expected another name: start " + what.program + " as NAME",

@@ -8,8 +8,9 @@ using namespace objdb;
 
 Status Recorder::begin(const std::string& path, Journal::Sync sync) {
   const Clock& clock = manager_.clock;
-  Result<std::unique_ptr<Journal>> made =
-      Journal::create(path, sync, {clock.tick(), clock.time(), clock.rate(), manager_.options().seed});
+  Result<std::unique_ptr<Journal>> made = Journal::create(
+      path, sync,
+      {clock.tick(), clock.time(), clock.rate(), manager_.options().seed, clock.base_tick(), clock.base_time()});
   if (!made) return made.error();
   const std::string world = save(manager_.world);
   if (Status room = (*made)->reserve(world.size() + world.size() / 16 + 4096); !room) return room.error();
@@ -18,6 +19,7 @@ Status Recorder::begin(const std::string& path, Journal::Sync sync) {
   add_world(world);
   for (const auto& each : manager_.programs.all())
     if (each->state() == Manipulator::State::active) add(*manager_.main_session(), "", each->command);
+  add_steering();
   Status kept = journal_->flush(true);
   if (!kept) journal_ = std::move(before);
   return kept;
@@ -32,6 +34,18 @@ void Recorder::add_world(const std::string& text) {
     add(self, "", rest.substr(0, end));
     rest.remove_prefix(end + 1);
   }
+}
+
+// what the world does not say of itself: the budget, and what was put off
+void Recorder::add_steering() {
+  Source self;
+  if (manager_.budget().of != Budget::Of::nothing) add(*manager_.main_session(), "", manager_.budget().line());
+  self.name = later_source;
+  for (const Schedule::Entry& entry : manager_.schedule.entries())
+    add(self, entry.scope.prefix,
+        std::to_string(entry.id) + " " + number(entry.start) + " " + std::to_string(entry.runs) +
+            (entry.held ? " true " : " false ") + Schedule::say(entry));
+  if (manager_.schedule.next_id() > 1) add(self, "", std::to_string(manager_.schedule.next_id()));
 }
 
 Status Recorder::resume(const std::string& path, const JournalText& text) {

@@ -38,6 +38,7 @@ class Recorder {
 
  private:
   void add_world(const std::string& text);
+  void add_steering();
 
   Manager& manager_;
   std::unique_ptr<Journal> journal_;

@@ -42,6 +42,30 @@ Status restore_array(Manager& manager, const Source& source, Words words, std::s
   return manager.world.set(**object, *field, std::move(*numbers));
 }
 
+// "ID START RUNS HELD at|every|when ...": put off before the journal began; "ID" alone is the number of the next
+Outcome put_off_again(Manager& manager, const Record& record, Words words) {
+  const Error wrong{ErrorKind::io, "expected ID START RUNS HELD and what was put off", 0};
+  const Result<std::int64_t> id = parse_integer(words[0].text);
+  if (id && words.size() == 1) {
+    manager.schedule.number_from(static_cast<int>(*id));
+    return {};
+  }
+  if (words.size() < 6) return wrong;
+  const Result<std::int64_t> runs = parse_integer(words[2].text);
+  const Result<double> start = parse_real(words[1].text, {});
+  const std::string_view verb = words[4].text;
+  if (!id || !runs || !start || (verb != "at" && verb != "every" && verb != "when")) return wrong;
+  const std::string_view line = record.line.substr(static_cast<std::size_t>(words[4].column) - 1);
+  LineWords inner;
+  if (Status split = inner.split(line); !split) return split;
+  std::string body;
+  Outcome outcome = manager.dispatch.execute(*manager.main_session(), manager.main_session(), inner, line,
+                                             Scope{std::string(record.prefix)}, body);
+  if (outcome.status)
+    manager.schedule.restore(static_cast<int>(*id), *start, static_cast<std::uint64_t>(*runs), words[3].text == "true");
+  return outcome;
+}
+
 class Replay : public Operation {
  public:
   Replay(JournalText text, bool live) : text_(std::move(text)), live_(live) {}
@@ -86,6 +110,7 @@ class Replay : public Operation {
     manager.playback.replaying(true);
     manager.clock.set_rate(text_.start.rate);
     manager.clock.set(text_.start.tick, text_.start.time);
+    manager.clock.compute_from(text_.start.base_tick, text_.start.base_time);
   }
 
   std::optional<Status> end(Manager& manager, Status status) {
@@ -200,6 +225,7 @@ Outcome say_again(Manager& manager, const Record& record, const std::string& jou
 Outcome say_again(Manager& manager, const Record& record, const LineWords& words, const std::string& journal,
                   bool owning) {
   if (words.empty() || sets_measured(manager.world, words)) return {};
+  if (record.source == later_source) return put_off_again(manager, record, words.words());
   const std::string_view verb = words.words()[0].text;
   Source source;
   source.name = record.source;
@@ -214,8 +240,8 @@ Outcome say_again(Manager& manager, const Record& record, const LineWords& words
 }
 
 bool is_journaled(const Command& command) {
-  static constexpr std::string_view steering[] = {"rate", "undo",  "redo", "begin",  "commit", "rollback",
-                                                  "at",   "every", "when", "forget", "start",  "end"};
+  static constexpr std::string_view steering[] = {"rate",  "undo", "redo",   "begin", "commit", "rollback", "at",
+                                                  "every", "when", "forget", "start", "end",    "budget"};
   return command.effect == Effect::change ||
          std::find(std::begin(steering), std::end(steering), command.name) != std::end(steering);
 }

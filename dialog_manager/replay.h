@@ -13,9 +13,6 @@ bool is_journaled(const Command& command);
 /// The hash is checked at every tick: error range at the first that differs.
 std::unique_ptr<Operation> replay(JournalText text, bool live);
 
-/// The source of a command that was forwarded to a program: "NAME NUMBER LINE".
-inline constexpr std::string_view ask_source = "ask";
-
 /// What a tick's closing record says.
 struct TickLine {
   std::uint64_t tick = 0;

@@ -16,6 +16,26 @@ int Schedule::add(Entry entry) {
   return entries_.back().id;
 }
 
+void Schedule::restore(int id, double start, std::uint64_t runs, bool held) {
+  Entry& entry = entries_.back();
+  next_id_ = id + 1;
+  entry.id = id;
+  entry.held = held;
+  if (entry.kind != Entry::Kind::every) return;
+  entry.start = start;
+  entry.runs = runs;
+  entry.time = start + static_cast<double>(runs + 1) * entry.period;
+}
+
+std::string Schedule::say(const Entry& entry) {
+  std::string out(entry.kind == Entry::Kind::at ? "at " : entry.kind == Entry::Kind::every ? "every " : "when ");
+  if (entry.kind == Entry::Kind::when)
+    out += entry.condition->text();
+  else
+    objdb::append_number(out, entry.kind == Entry::Kind::at ? entry.time : entry.period);
+  return out + " " + objdb::quote(entry.command);
+}
+
 bool Schedule::forget(int id) {
   return std::erase_if(entries_, [&](const Entry& entry) { return entry.id == id; }) > 0;
 }

@@ -30,7 +30,17 @@ class Schedule {
   };
 
   int add(Entry entry);
-  void clear() { entries_.clear(); }
+  /// Numbers count from 1 again.
+  void clear() {
+    entries_.clear();
+    next_id_ = 1;
+  }
+  int next_id() const { return next_id_; }
+  void number_from(int id) { next_id_ = id; }
+  /// Takes up the last entry as it stood in another life: its number, and how far it has come.
+  void restore(int id, double start, std::uint64_t runs, bool held);
+  /// The command that gives an entry.
+  static std::string say(const Entry& entry);
   /// False: no such id.
   bool forget(int id);
   const std::vector<Entry>& entries() const { return entries_; }

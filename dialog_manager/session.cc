@@ -174,7 +174,7 @@ Session::Got Session::next_live(Manager& manager, Input& input, std::string_view
 void Session::close_input(Manager& manager) {
   Input closed = std::move(stack_.back());
   stack_.pop_back();
-  if (closed.live) manager.stream_ended(*this);
+  if (closed.live || (closed.put_off && stack_.empty())) manager.stream_ended(*this);
   if (closed.fifo) {
     objdb::Result<Input> next = manager.speakers.fifo_input(closed.name);
     if (next)
@@ -191,6 +191,7 @@ void Session::run_line(Manager& manager, const Line& line, std::string where, ob
   body_.clear();
   tag_.clear();
   where_ = std::move(where);
+  verb_column_ = 1;
   const std::size_t depth = stack_.size();
   if (Status split = words_.split(line.text); !split) {
     tag_ = tag_of(line.text);
@@ -199,6 +200,7 @@ void Session::run_line(Manager& manager, const Line& line, std::string where, ob
   }
   if (words_.empty()) return;
   tag_ = words_.tag();
+  verb_column_ = words_.words()[0].column;
   if (line.text.size() + 1 > longest_line_) {
     finish_reply(manager,
                  Error{ErrorKind::limit,
@@ -227,6 +229,7 @@ void Session::enqueue_command(std::string text, std::string where, const objdb::
   input.text = std::move(text);
   input.scope = scope;
   input.where = std::move(where);
+  input.put_off = true;
   enqueue(std::move(input));
 }
 
@@ -260,11 +263,13 @@ void Session::finish_reply(Manager& manager, const Status& status) {
 
 void Session::report(Manager& manager, const Error& error) {
   // the column counts from the start of the line that the word stands on
-  int number = line_.number, column = std::max(error.column, 1);
+  // what has no place of its own is blamed on the verb
+  const int whole = error.column > 0 ? error.column : verb_column_;
+  int number = line_.number, column = whole;
   for (const auto& [offset, line] : line_.joints)
-    if (static_cast<std::size_t>(column) > offset) {
+    if (static_cast<std::size_t>(whole) > offset) {
       number = line;
-      column = std::max(error.column, 1) - static_cast<int>(offset);
+      column = whole - static_cast<int>(offset);
     }
   std::string where = where_;
   const bool typed = where.empty() && error.column > 0 && !stack_.empty() && stack_.back().live != nullptr;
@@ -279,7 +284,7 @@ void Session::report(Manager& manager, const Error& error) {
     }
     std::string& out = out_.buffer();
     if (!tag_.empty()) out.append("@").append(tag_).append(" ");
-    out.append("error ").append(name_of(error.kind)).append(" ").append(std::to_string(std::max(error.column, 1)));
+    out.append("error ").append(name_of(error.kind)).append(" ").append(std::to_string(whole));
     out.append(" ").append(error.sentence).append("\n");
     return;
   }
@@ -323,6 +328,9 @@ void Session::answer_source(const Input& input) {
 
 void Session::leave_texts() {
   while (!stack_.empty() && !stack_.back().live) stack_.pop_back();
+  const auto live =
+      std::find_if(queue_.begin(), queue_.end(), [](const Input& input) { return input.live != nullptr; });
+  if (live != queue_.end()) queue_.erase(queue_.begin(), live);
 }
 
 void Session::event(std::string_view text) {

@@ -23,7 +23,8 @@ struct Input {
   bool answers = false;  ///< it is the text of a `source` command of a framed conversation
   std::string where;     ///< FILE:LINE to blame, when it is not the text's own name and line
   std::unique_ptr<channel::Reader> live;
-  bool fifo = false;  ///< writers come and go: the end of one is not the end of all
+  bool put_off = false;  ///< a command of `at`, `every`, `when`
+  bool fifo = false;     ///< writers come and go: the end of one is not the end of all
 };
 
 /// One conversation: lines in, replies out, in order. It waits while a command of its own takes time, and goes on to
@@ -58,7 +59,7 @@ class Session : public Source {
   void keep_going(bool keep) { keep_going_ = keep; }
   /// Drops everything that is still to be read.
   void stop();
-  /// Drops the scripts that are being read, back to the live stream.
+  /// Drops the scripts that are being read, or wait before the live stream, back to that.
   void leave_texts();
 
   /// Reads a single command in its turn; errors in it are told to stand at `where` (FILE:LINE).
@@ -136,6 +137,7 @@ class Session : public Source {
   bool joining_ = false;  // joined_ waits for the rest of its line
   std::string body_;
   std::string tag_;
+  int verb_column_ = 1;
   std::string where_;  // place of the line, when it is not the input's
   Line line_;
 };

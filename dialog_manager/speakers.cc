@@ -19,6 +19,12 @@ Error deaf_to(const std::string& path, ErrorKind kind, const std::string& why) {
   return {kind, path + " cannot be listened to: " + why, 0};
 }
 
+bool same_file(const std::string& one, const std::string& other) {
+  struct stat a {
+  }, b{};
+  return ::stat(one.c_str(), &a) == 0 && ::stat(other.c_str(), &b) == 0 && a.st_dev == b.st_dev && a.st_ino == b.st_ino;
+}
+
 }  // namespace
 
 Result<Input> Speakers::fifo_input(const std::string& path) {
@@ -43,8 +49,13 @@ Result<Input> Speakers::fifo_input(const std::string& path) {
 }
 
 Status Speakers::listen(const std::string& path) {
+  if (is_source_of_manager(path))
+    return Error{ErrorKind::exists, path + " is a name of the manager's own, expected ./" + path, 0};
+  // two readers of one FIFO would each get a part of its lines, whatever its names
   for (const auto& speaker : all_)
-    if (speaker->name == path) return Error{ErrorKind::exists, path + " is listened to already", 0};
+    if (speaker->name == path || same_file(speaker->name, path))
+      return Error{ErrorKind::exists,
+                   path + " is listened to already" + (speaker->name == path ? "" : ", as " + speaker->name), 0};
   const bool made = ::mkfifo(path.c_str(), 0600) == 0;
   if (!made && errno != EEXIST) return deaf_to(path, ErrorKind::io, std::strerror(errno));
   Result<Input> input = fifo_input(path);

@@ -28,9 +28,33 @@ Status parse_slice(Target& target, std::string_view text, int column) {
   return {};
 }
 
+// the value of a vec3 or quat after some of its components were replaced
+Result<Value> replace_components(const Object& object, const Field& field, const Target& target, Words words,
+                                 const Names& names) {
+  const auto size = static_cast<std::size_t>(words_of(field.kind));
+  if (target.last >= size)
+    return error_at(target.field_column, ErrorKind::range,
+                    field.name + " has " + std::to_string(size) + " components, no component " +
+                        std::to_string(std::max(target.first, size)));
+  if (const std::size_t count = target.last - target.first + 1; words.size() != count)
+    return error_at(target.column, ErrorKind::syntax,
+                    field.name + ": expected " + std::to_string(count) + (count == 1 ? " word" : " words") + ", got " +
+                        std::to_string(words.size()));
+  std::string said;
+  append_value(said, field, object.value(object.type->find(field)), names);
+  LineWords old;
+  if (Status split = old.split(said); !split) return split.error();
+  std::vector<Word> all(old.words().begin(), old.words().end());
+  // what stays is what it was, and is not to blame
+  for (Word& word : all) word.column = target.field_column;
+  std::copy(words.begin(), words.end(), all.begin() + static_cast<std::ptrdiff_t>(target.first));
+  return parse_value(field, all, names);
+}
+
 // the value of a field after some of its elements were replaced
 Result<Value> replace_elements(const Object& object, const Field& field, const Target& target, Words words,
                                const Names& names) {
+  if (!field.array && words_of(field.kind) > 1) return replace_components(object, field, target, words, names);
   if (!field.array)
     return error_at(target.field_column, ErrorKind::type, field.name + " is a " + field.kind_text() + ", not an array");
   const Value& old = object.value(object.type->find(field));

@@ -1,9 +1,11 @@
 #include "objdb/unit.h"
 
+#include <algorithm>
 #include <charconv>
 #include <clocale>
 #include <cmath>
 #include <cstdlib>
+#include <iterator>
 #include <numbers>
 
 #include "objdb/text.h"
@@ -22,54 +24,54 @@ struct NamedUnit {
 // the first SI entry (1, 1) of a dimension is its usual name
 constexpr NamedUnit named_units[] = {
     {"m", 1, 1, {1}},
-    {"km", 1000, 1, {1}},
-    {"cm", 1, 100, {1}},
-    {"mm", 1, 1000, {1}},
-    {"um", 1, 1e6, {1}},
     {"kg", 1, 1, {0, 1}},
-    {"g", 1, 1000, {0, 1}},
-    {"mg", 1, 1e6, {0, 1}},
     {"t", 1000, 1, {0, 1}},
     {"s", 1, 1, {0, 0, 1}},
-    {"ms", 1, 1000, {0, 0, 1}},
-    {"us", 1, 1e6, {0, 0, 1}},
-    {"ns", 1, 1e9, {0, 0, 1}},
     {"min", 60, 1, {0, 0, 1}},
     {"h", 3600, 1, {0, 0, 1}},
     {"A", 1, 1, {0, 0, 0, 1}},
-    {"mA", 1, 1000, {0, 0, 0, 1}},
     {"K", 1, 1, {0, 0, 0, 0, 1}},
     {"cd", 1, 1, {0, 0, 0, 0, 0, 1}},
     {"rad", 1, 1, {0, 0, 0, 0, 0, 0, 1}},
-    {"mrad", 1, 1000, {0, 0, 0, 0, 0, 0, 1}},
     {"deg", pi, 180, {0, 0, 0, 0, 0, 0, 1}},
     {"arcmin", pi, 10800, {0, 0, 0, 0, 0, 0, 1}},
     {"rev", 2 * pi, 1, {0, 0, 0, 0, 0, 0, 1}},
     {"Hz", 1, 1, {0, 0, -1}},
-    {"kHz", 1000, 1, {0, 0, -1}},
     {"N", 1, 1, {1, 1, -2}},
-    {"mN", 1, 1000, {1, 1, -2}},
-    {"kN", 1000, 1, {1, 1, -2}},
     {"Pa", 1, 1, {-1, 1, -2}},
-    {"hPa", 100, 1, {-1, 1, -2}},
-    {"kPa", 1000, 1, {-1, 1, -2}},
-    {"MPa", 1e6, 1, {-1, 1, -2}},
-    {"GPa", 1e9, 1, {-1, 1, -2}},
     {"J", 1, 1, {2, 1, -2}},
-    {"mJ", 1, 1000, {2, 1, -2}},
-    {"kJ", 1000, 1, {2, 1, -2}},
+    {"Nm", 1, 1, {2, 1, -2}},
     {"W", 1, 1, {2, 1, -3}},
-    {"mW", 1, 1000, {2, 1, -3}},
-    {"kW", 1000, 1, {2, 1, -3}},
     {"V", 1, 1, {2, 1, -3, -1}},
-    {"mV", 1, 1000, {2, 1, -3, -1}},
     {"%", 1, 100, {}},
 };
 
-const NamedUnit* find_unit(std::string_view name) {
+// what may stand before a prefix; the gram, though no SI unit, carries those of mass
+constexpr NamedUnit gram = {"g", 1, 1000, {0, 1}};
+constexpr std::string_view prefixed[] = {"m", "g", "s", "A", "K", "rad", "Hz", "N", "Pa", "J", "Nm", "W", "V"};
+
+struct Prefix {
+  char letter;
+  double multiply, divide;
+};
+
+constexpr Prefix prefixes[] = {{'n', 1, 1e9}, {'u', 1, 1e6}, {'m', 1, 1e3}, {'c', 1, 100}, {'d', 1, 10},
+                               {'h', 100, 1}, {'k', 1e3, 1}, {'M', 1e6, 1}, {'G', 1e9, 1}};
+
+std::optional<NamedUnit> find_unit(std::string_view name) {
+  if (name == gram.name) return gram;
   for (const NamedUnit& unit : named_units)
-    if (unit.name == name) return &unit;
-  return nullptr;
+    if (unit.name == name) return unit;
+  if (name.size() < 2 || std::find(std::begin(prefixed), std::end(prefixed), name.substr(1)) == std::end(prefixed))
+    return std::nullopt;
+  std::optional<NamedUnit> unit = find_unit(name.substr(1));
+  for (const Prefix& prefix : prefixes) {
+    if (prefix.letter != name[0]) continue;
+    unit->multiply *= prefix.multiply;
+    unit->divide *= prefix.divide;
+    return unit;
+  }
+  return std::nullopt;
 }
 
 // one factor: a name and an optional exponent, as in s, s^2, s2, s^-1
@@ -84,8 +86,8 @@ bool multiply_factor(Unit& unit, std::string_view text, int sign) {
     if (error != std::errc() || end != power.data() + power.size() || exponent == 0 || std::abs(exponent) > 9)
       return false;
   }
-  const NamedUnit* named = find_unit(text.substr(0, name_end));
-  if (named == nullptr) return false;
+  const std::optional<NamedUnit> named = find_unit(text.substr(0, name_end));
+  if (!named) return false;
   exponent *= sign;
   for (std::size_t i = 0; i < named->exponents.size(); ++i) {
     const int sum = unit.dimension.exponents[i] + named->exponents[i] * exponent;
@@ -164,7 +166,9 @@ Result<double> parse_real(std::string_view text, const Dimension& dimension) {
   if (end == last) return value;
 
   const std::string_view suffix(end, static_cast<std::size_t>(last - end));
-  if (!starts_unit(suffix[0]) || suffix[0] == 'x' || suffix[0] == 'X') return no_number(text);
+  // no unit begins like an exponent or a hexadecimal number
+  if (!starts_unit(suffix[0]) || std::string_view("xXeE").find(suffix[0]) != std::string_view::npos)
+    return no_number(text);
   const std::optional<Unit> unit = parse_unit(suffix);
   if (!unit) return Error{ErrorKind::unit, "unknown unit " + shown(suffix), 0};
   if (!(unit->dimension == dimension)) {
@@ -185,6 +189,8 @@ Result<std::int64_t> parse_integer(std::string_view text) {
   const auto [end, error] = std::from_chars(first, last, value);
   if (error == std::errc::result_out_of_range)
     return Error{ErrorKind::range, shown(text) + " does not fit a 64-bit integer", 0};
+  if (error == std::errc() && end != last && parse_unit({end, last}))
+    return Error{ErrorKind::unit, shown(text) + " does not fit, expected an integer without unit", 0};
   if (error != std::errc() || end != last) return Error{ErrorKind::type, shown(text) + " is not an integer", 0};
   return value;
 }

@@ -20,8 +20,8 @@ Outcome run(Call& call) {
   }
   const Result<double> pace = real_word(call, 0, "");
   if (!pace) return call.error(0, ErrorKind::type, quote(word) + " is no pace, expected fast, realtime or a number");
-  if (!(*pace > 0 && *pace <= 1e6))
-    return call.error(0, ErrorKind::range, "the pace is " + std::string(word) + ", expected more than 0, at most 1e6");
+  if (!Clock::is_pace(*pace))
+    return call.error(0, ErrorKind::range, "the pace is " + std::string(word) + ", expected 1e-6 to 1e6");
   clock.set_pace(*pace);
   return {};
 }

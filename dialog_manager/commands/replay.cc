@@ -21,6 +21,11 @@ Outcome run(Call& call) {
   if (manager.world.size() > 0 || !manager.programs.all().empty())
     return call.error(-1, ErrorKind::exists,
                       "the world has " + std::to_string(manager.world.size()) + " objects, expected an empty one");
+  if (!manager.schedule.entries().empty())
+    return call.error(-1, ErrorKind::exists,
+                      std::to_string(manager.schedule.entries().size()) + " commands are put off, expected none");
+  // the numbers of those that the journal puts off count from 1
+  manager.schedule.clear();
   if (!text->flaw.empty())
     manager.event("event journal " + path + " " + text->flaw + "; what stands before it is taken up");
   text->records = records_until(std::move(text->records), text->start, 1e300);

@@ -69,8 +69,8 @@ TEST(Real, IsReadInItsUnit) {
 
 TEST(Real, RefusesWhatIsNoNumber) {
   for (const char* text :
-       {"",  "nan", "inf", "-inf",  "infinity", "NaN", "0x1p3", "0x10", "1,5",  "abc",   "+-5",  "--5",
-        "+", "-",   ".",   "1_000", "1 5",      "5/s", "e5",    "-nan", "+inf", "1.2.3", "5..6", "1e5.5"})
+       {"",  "nan", "inf",   "-inf", "infinity", "NaN", "0x1p3", "0x10", "1,5",  "abc",  "+-5",   "--5",  "+",
+        "-", ".",   "1_000", "1 5",  "5/s",      "e5",  "3e",    "3e+",  "-nan", "+inf", "1.2.3", "5..6", "1e5.5"})
     for (const char* unit : {"", "m"}) {
       const Result<double> value = parse_real(text, dimension(unit));
       ASSERT_FALSE(value.ok()) << text;
@@ -80,7 +80,7 @@ TEST(Real, RefusesWhatIsNoNumber) {
 
 TEST(Real, RefusesAUnitThatDoesNotFit) {
   for (const char* text :
-       {"3kg", "3rad", "3m^2", "3m*s", "3Hz", "3e", "3parsec", "3m//s", "3m^", "3m^0", "3m^10", "3%", "3m/", "3cmm"}) {
+       {"3kg", "3rad", "3m^2", "3m*s", "3Hz", "3parsec", "3m//s", "3m^", "3m^0", "3m^10", "3%", "3m/", "3cmm"}) {
     const Result<double> value = parse_real(text, dimension("m"));
     ASSERT_FALSE(value.ok()) << text;
     EXPECT_EQ(value.error().kind, ErrorKind::unit) << text << ": " << value.error().sentence;
@@ -191,8 +191,22 @@ TEST(Integer, IsWholeAndFits) {
   EXPECT_EQ(*parse_integer("9223372036854775807"), std::numeric_limits<std::int64_t>::max());
   EXPECT_EQ(parse_integer("9223372036854775808").error().kind, ErrorKind::range);
   EXPECT_EQ(parse_integer(std::string(400, '1')).error().kind, ErrorKind::range);
-  for (const char* text : {"", "1.0", "1e3", "0x10", "5m", "+-5", "--5", "-", "+", " 1", "1 ", "one"})
+  for (const char* text : {"", "1.0", "1e3", "0x10", "+-5", "--5", "-", "+", " 1", "1 ", "one"})
     EXPECT_EQ(parse_integer(text).error().kind, ErrorKind::type) << text;
+  for (const char* text : {"5m", "5%", "-5kg"}) EXPECT_EQ(parse_integer(text).error().kind, ErrorKind::unit) << text;
+}
+
+TEST(Prefix, StandsBeforeEveryUnitThatTakesOne) {
+  EXPECT_EQ(*parse_real("500nm", parse_unit("m")->dimension), 500 / 1e9);
+  EXPECT_EQ(*parse_real("3dm", parse_unit("m")->dimension), 0.3);
+  EXPECT_EQ(*parse_real("2MHz", parse_unit("Hz")->dimension), 2e6);
+  EXPECT_EQ(*parse_real("5uN", parse_unit("N")->dimension), 5e-6);
+  EXPECT_EQ(*parse_real("7mNm", parse_unit("N*m")->dimension), 0.007);
+  EXPECT_EQ(*parse_real("7mg", parse_unit("kg")->dimension), 7e-6);
+  // the minute is no thousandth of an inch, the candela no hundredth of a day
+  EXPECT_EQ(*parse_real("2min", parse_unit("s")->dimension), 120);
+  EXPECT_TRUE(parse_unit("cd").has_value());
+  for (const char* text : {"mkg", "kmm", "mdeg", "kmin", "xm", "k", "%m", "mt"}) EXPECT_FALSE(parse_unit(text)) << text;
 }
 
 }  // namespace

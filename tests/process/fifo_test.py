@@ -138,6 +138,19 @@ class Fifo(Case):
         self.assertNotIn("ear", manager.must("sources"))
         manager.refused("unlisten ear", "unknown")
 
+    def test_one_fifo_under_two_names_is_one(self):
+        manager = self.listening()
+        self.assertIn("as ear", manager.refused("listen ./ear", "exists").sentence)
+        self.assertEqual(manager.must("sources").split(), ["main", "ear"])
+
+    def test_a_speaker_may_take_itself_and_others_away(self):
+        manager = self.listening()
+        manager.must("listen one")
+        manager.must("listen two")
+        self.say(b"unlisten two\nunlisten ear\ncreate node unheard\n")
+        until(lambda: manager.must("sources").split() == ["main", "one"], "two speakers are gone")
+        self.assertFalse(manager.ask("get unheard.visible").ok)
+
     def test_a_flood_beside_a_polite_client(self):
         manager = self.listening()
         stop = threading.Event()

@@ -16,6 +16,10 @@ class Invocation(Case):
         if stderr is not None:
             self.assertRegex(done.stderr, stderr)
 
+    def check_said(self, done, status, pattern):
+        self.assertEqual(done.returncode, status, f"stdout {done.stdout!r}, stderr {done.stderr!r}")
+        self.assertRegex(done.stdout, rf"\A{pattern}\Z")
+
     def test_commands_and_scripts_run_in_the_order_of_the_command_line(self):
         self.file("one.dlg", "create node a\necho one\n")
         self.file("two.dlg", "list\necho two\n")
@@ -57,7 +61,8 @@ class Invocation(Case):
         self.check(self.run_manager("-c", "nonsense", "good.dlg"), 1, "", "error unknown")
 
     def test_usage_errors_end_with_2(self):
-        for arguments in (["--nonsense"], ["-c"], ["--seed"], ["--seed", "x"], ["--pace", "sideways"], ["--journal"]):
+        for arguments in (["--nonsense"], ["-c"], ["--seed"], ["--seed", "x"], ["--seed", "-1"], ["--seed", "18446744073709551616"], ["--seed", "0x10"],
+                          ["--pace", "sideways"], ["--pace", "1e-300"], ["--pace", "1e300"], ["--journal"]):
             with self.subTest(arguments):
                 done = self.run_manager(*arguments)
                 self.check(done, 2, "")
@@ -89,6 +94,32 @@ class Invocation(Case):
         self.check(self.run_manager("--check", "bad.dlg"), 1, None, r"(?m)^bad\.dlg:3:14: error unit")
         self.file("verb.dlg", "nonsense\n")
         self.check(self.run_manager("--check", "verb.dlg"), 1, None, r"(?m)^verb\.dlg:1:1: error unknown")
+
+    def test_check_sees_what_is_put_off_and_how_long_it_runs(self):
+        for line, place, kind in (("at 1 nonsense", 6, "unknown"), ("run 3kg", 5, "unit"), ("rate 0", 6, "range"),
+                                  ("wait a.visible == perhaps", 19, "type"), ("get a.nothing", 7, "unknown"),
+                                  ("every 0 echo x", 7, "range"), ("commit", 1, "unknown")):
+            self.file("one.dlg", f"create node a\n{line}\n")
+            self.check(self.run_manager("--check", "one.dlg"), 1, "", rf"(?m)^one\.dlg:2:{place}: error {kind}")
+        self.file("good.dlg", "begin\ncreate node a\nrollback\ncreate node a\nat 1 set a.visible false\nrun 2\nget a\nhash\n"
+                              "expect a.visible == false\ntrace t.csv a\njournal j\nquit\n")
+        self.check(self.run_manager("--check", "good.dlg"), 0, "")
+        self.assertFalse((self.folder / "t.csv").exists() or (self.folder / "j").exists(), "--check wrote a file")
+
+    def test_framed_commands_and_scripts_are_a_batch_and_a_framed_conversation_is_none(self):
+        self.check_said(self.run_manager("--framed", "-c", "nonsense", "-c", "echo x"), 1, "error unknown 1 .*\n")
+        self.check_said(self.run_manager("--framed", "--keep-going", "-c", "nonsense", "-c", "echo x"), 1, "error unknown 1 .*\n  x\n")
+        self.check_said(self.run_manager("--framed", stdin=b"@1 nonsense\n@2 echo x\n"), 1, "@1 error unknown 4 .*\n  x\n@2 ok\n")
+        self.file("bad.dlg", "nonsense\necho one\n")
+        self.check_said(self.run_manager("--framed", "-i", "bad.dlg", "-c", "echo two", stdin=b"@2 echo x\n"), 1,
+                   "error unknown 1 .*\n  x\n@2 ok\n")
+
+    def test_an_error_of_what_took_time_names_the_verb(self):
+        self.check_said(self.run_manager("--framed", "--keep-going", stdin=b"create node a\n@12 wait a.visible == false for 0\n"), 1,
+                   "@12 error timeout 5 .*\n")
+
+    def test_the_version(self):
+        self.check_said(self.run_manager("--version"), 0, r"dialog_manager [0-9.]+\n")
 
     def test_a_half_line_at_the_end_of_a_pipe_is_not_executed(self):
         done = self.run_manager("--framed", stdin=b"@1 create node a\n@2 create node b")

@@ -79,6 +79,71 @@ class Journal(Journals):
         self.assertTrue(reply.ok, repr(reply))
         self.assertEqual(other.hash(), expected)
 
+    def put_off(self, manager):
+        return [manager.must(verb) for verb in ("at", "every", "when", "budget", "time")]
+
+    def test_what_is_put_off_keeps_its_number_when_the_story_is_told_again(self):
+        manager = self.world("--journal", "kept")
+        for line in ("rate 10Hz", "budget error 1mm", "at 0.5 set ball.position 5 0 0", "at 9 echo x", "every 0.2 set ball.visible true",
+                     "when ball.position == 5 0 0 set probe.visible false", "run 0.3", "forget 2", "every 0.5 set ball.radius 1",
+                     "forget 5", "step"):
+            manager.must(line)
+        then, hash_then = self.put_off(manager), manager.hash()
+        manager.must("run 0.6")
+        end = manager.hash()
+        self.assertNotEqual(end, hash_then)
+        manager.must("rewind 0.4")
+        self.assertEqual((self.put_off(manager), manager.hash()), (then, hash_then))
+        manager.must("at 5 echo y")
+        manager.must("forget 6")
+        manager.must("run 0.6")
+        self.assertEqual(manager.hash(), end)
+        manager.finish()
+        resumed = self.manager("--resume", "kept")
+        self.assertEqual(resumed.hash(), end)
+        self.assertEqual(resumed.must("budget"), "error 0.001")
+        resumed.must("forget 3")
+
+    def test_a_journal_of_mid_session_takes_up_what_was_put_off_before(self):
+        manager = self.world()
+        for line in ("rate 10Hz", "budget time 1ms", "at 5 echo x", "every 0.3 set ball.visible true", "every 0.2 echo x",
+                     "when ball.visible == true set ball.position 1 1 1", "at 0.9 set probe.position 2 2 \"2\"", "forget 1", "forget 3",
+                     "forget 5", 'at 0.9 "set probe.position 2 2 2"', "at 3 echo x", "forget 7", "run 0.4", "journal later", "at 4 echo z",
+                     "forget 8", "forget 2", "run 0.8"):
+            manager.must(line)
+        expected, end = self.put_off(manager), manager.hash()
+        manager.finish()
+        resumed = self.manager("--resume", "later")
+        self.assertEqual((self.put_off(resumed), resumed.hash()), (expected, end))
+        resumed.finish()
+        other, reply = self.replayed("later")
+        self.assertTrue(reply.ok, repr(reply))
+        self.assertEqual(other.hash(), end)
+        other.finish()
+        # put off here and there: the numbers would not be the same
+        third = self.manager()
+        third.must("at 1 echo x")
+        third.refused("replay later", "exists", "put off")
+
+    def test_verbs_of_programs_that_are_put_off_are_replayed_without_them(self):
+        manager = self.manager("--journal", "kept")
+        manager.must("start walker")
+        manager.must("create walker w")
+        manager.must("at 0.05 jump w")
+        manager.must("step 5")
+        expected = manager.hash()
+        manager.finish()
+        other, reply = self.replayed("kept")
+        self.assertTrue(reply.ok, repr(reply))
+        self.assertEqual(other.hash(), expected)
+
+    def test_nobody_speaks_under_a_name_of_the_journal(self):
+        manager = self.world("--journal", "kept")
+        for name in ("tick", "ask", "checkpoint", "rewind", "later", "main", "schedule"):
+            manager.refused(f"listen {name}", "exists", f"[.]/{name}")
+            manager.refused(f"start walker as {name}", "exists", "manager's own")
+        self.assertEqual(manager.must("sources"), "main")
+
     def test_undo_transactions_and_scripts_are_replayed(self):
         self.file("part.dlg", "create node from_script\nset from_script.position 1 1 1\n")
         manager = self.manager("--journal", "kept")

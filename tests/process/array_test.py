@@ -9,7 +9,7 @@ import struct
 import time
 
 import sailor
-from sailor import Case, children
+from sailor import Case, children, until
 
 TEXT = "with env SAILOR_ARRAYS=text"
 
@@ -91,6 +91,13 @@ class Array(Arrays):
             self.assertEqual(len(manager.must("get s.points").split()), max(3 * count, 1))
             self.assertEqual(manager.must("get r.torn"), "0")
 
+    def refused_of(self, manager, count):
+        """The complaints, which are read beside the answers: so many come, more are not waited for."""
+        def complaints():
+            return [line for line in manager.errors if "refused" in line]
+        until(lambda: len(complaints()) >= count, "the complaint is told")
+        return complaints()
+
     def test_mistakes_are_refused_and_leave_no_trace(self):
         expected = self.paint()[1]
         for mistake, kind, sentence in (
@@ -102,7 +109,7 @@ class Array(Arrays):
                 manager, got = self.paint(mistake, "6")
                 self.assertTrue((self.folder / "fault.done").exists(), "the mistake was not made")
                 self.assertEqual(got, expected)
-                refused = [line for line in manager.errors if "refused" in line]
+                refused = self.refused_of(manager, 2 if mistake == "words" else 1)
                 self.assertRegex(refused[0], f"painter: refused: {kind} .*{sentence}")
                 self.assertEqual(len(refused), 2 if mistake == "words" else 1)
                 self.assert_recovered(manager, expected)

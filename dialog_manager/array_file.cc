@@ -6,9 +6,9 @@
 
 #include <bit>
 #include <cerrno>
-#include <charconv>
 #include <cstring>
 
+#include "dialog_manager/count.h"
 #include "objdb/value.h"
 
 namespace manager {
@@ -21,14 +21,6 @@ static_assert(std::endian::native == std::endian::little, "numbers are kept with
 Error io_error(const std::string& path, std::string_view what) {
   return {ErrorKind::io,
           "arrays " + path + " " + std::string(what) + (errno == 0 ? "" : std::string(": ") + std::strerror(errno)), 0};
-}
-
-// "KEY=VALUE"
-bool parse(std::string_view word, std::string_view key, int base, std::uint64_t& value) {
-  if (!word.starts_with(key)) return false;
-  word.remove_prefix(key.size());
-  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value, base);
-  return error == std::errc() && end == word.data() + word.size();
 }
 
 }  // namespace
@@ -76,10 +68,12 @@ bool ArrayFile::sync() {
 }
 
 Result<std::vector<double>> ArrayFile::read(const std::string& path, Words words) {
-  std::uint64_t count = 0, at = 0, check = 0;
-  if (words.size() != 3 || !parse(words[0].text, "count=", 10, count) || !parse(words[1].text, "at=", 10, at) ||
-      !parse(words[2].text, "check=", 16, check))
-    return Error{ErrorKind::syntax, "expected count=N at=BYTE check=HEX", 0};
+  const Error wrong{ErrorKind::syntax, "expected count=N at=BYTE check=HEX", 0};
+  if (words.size() != 3) return wrong;
+  const auto said_count = parse_count_of("count=", words[0].text), said_at = parse_count_of("at=", words[1].text),
+             said_check = parse_count_of("check=", words[2].text, 16);
+  if (!said_count || !said_at || !said_check) return wrong;
+  const std::uint64_t count = *said_count, at = *said_at, check = *said_check;
   const int file = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
   struct stat status {};
   if (file < 0 || ::fstat(file, &status) != 0) return io_error(path, "cannot be read");

@@ -8,20 +8,12 @@
 #include <cerrno>
 #include <cstring>
 
+#include "objdb/text.h"
+
 namespace manager {
 namespace {
 
 using namespace objdb;
-
-constexpr std::size_t page = 4096, line = 64;
-
-struct Header {  // of the memory; the slots follow at the first page
-  char magic[8];
-  std::uint64_t capacity, slots;
-};
-
-// a slot: its head, in a cache line of its own, and the numbers
-std::size_t stride_of(std::size_t capacity) { return (line + capacity * sizeof(double) + page - 1) / page * page; }
 
 std::string proc_path(int file) { return "/proc/" + std::to_string(::getpid()) + "/fd/" + std::to_string(file); }
 
@@ -36,7 +28,7 @@ Result<std::shared_ptr<ArrayMemory>> ArrayMemory::make(std::size_t capacity, std
   std::shared_ptr<ArrayMemory> memory(new ArrayMemory);
   memory->capacity_ = capacity;
   memory->slots_ = slots;
-  memory->size_ = page + slots * stride_of(capacity);
+  memory->size_ = array_layout::size(capacity, slots);
   memory->file_ = ::memfd_create("array", MFD_CLOEXEC | MFD_ALLOW_SEALING);
   if (memory->file_ < 0) return limit_error("cannot be made", errno);
   // a sparse file would end in a signal when the machine is full; this one is there or is not
@@ -47,7 +39,8 @@ Result<std::shared_ptr<ArrayMemory>> ArrayMemory::make(std::size_t capacity, std
   if (at == MAP_FAILED) return limit_error("cannot be mapped", errno);
   memory->bytes_ = static_cast<std::byte*>(at);
   const int seals = F_SEAL_SHRINK | F_SEAL_GROW | F_SEAL_SEAL | (writer == Writer::manager ? F_SEAL_FUTURE_WRITE : 0);
-  const Header header{{'s', 'a', 'i', 'l', 'o', 'r', '_', 'b'}, capacity, slots};
+  array_layout::Header header{{}, capacity, slots};
+  array_layout::magic.copy(header.magic, sizeof header.magic);
   std::memcpy(memory->bytes_, &header, sizeof header);
   if (::fcntl(memory->file_, F_ADD_SEALS, seals) != 0) return limit_error("cannot be sealed", errno);
   memory->serial_ = ++made;
@@ -61,23 +54,12 @@ ArrayMemory::~ArrayMemory() {
 
 std::string ArrayMemory::path() const { return proc_path(file_); }
 
-ArrayMemory::Head* ArrayMemory::head(std::size_t slot) const {
-  return reinterpret_cast<Head*>(bytes_ + page + slot * stride_of(capacity_));
-}
-
-double* ArrayMemory::numbers(std::size_t slot) const {
-  return reinterpret_cast<double*>(bytes_ + page + slot * stride_of(capacity_) + line);
-}
-
 ArrayProbe::ArrayProbe() {
   unsigned char chance[8];
   file_ = ::memfd_create("probe", MFD_CLOEXEC | MFD_ALLOW_SEALING);
   if (file_ < 0 || ::getrandom(chance, sizeof chance, 0) != sizeof chance) return;
   std::string word;
-  for (const unsigned char each : chance) {
-    word += "0123456789abcdef"[each >> 4];
-    word += "0123456789abcdef"[each & 15];
-  }
+  for (const unsigned char each : chance) append_hexadecimal(word, each, 2);
   if (::write(file_, word.data(), word.size()) != static_cast<ssize_t>(word.size())) return;
   ::fcntl(file_, F_ADD_SEALS, F_SEAL_SHRINK | F_SEAL_GROW | F_SEAL_WRITE | F_SEAL_SEAL);
   text_ = proc_path(file_) + "," + word;

@@ -5,6 +5,7 @@
 #include <memory>
 #include <string>
 
+#include "objdb/array_layout.h"
 #include "objdb/result.h"
 
 namespace manager {
@@ -17,10 +18,7 @@ class ArrayMemory {
   /// to write, the kernel sees to that.
   enum class Writer { program, manager };
 
-  /// Head of a slot. Written last: then the slot holds the numbers of this sequence.
-  struct Head {
-    std::uint64_t sequence, count;
-  };
+  using Head = objdb::array_layout::Head;
 
   /// `slots` slots with room for `capacity` numbers each. Errors: limit (no memory, no descriptor).
   static objdb::Result<std::shared_ptr<ArrayMemory>> make(std::size_t capacity, std::size_t slots, Writer writer);
@@ -35,8 +33,8 @@ class ArrayMemory {
   /// Given once in the life of the manager.
   std::uint64_t serial() const { return serial_; }
 
-  Head* head(std::size_t slot) const;
-  double* numbers(std::size_t slot) const;
+  Head* head(std::size_t slot) const { return objdb::array_layout::head(bytes_, capacity_, slot); }
+  double* numbers(std::size_t slot) const { return objdb::array_layout::numbers(bytes_, capacity_, slot); }
 
  private:
   ArrayMemory() = default;

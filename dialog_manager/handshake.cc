@@ -12,9 +12,7 @@ std::string hello_line(Manager& manager, const std::string& name) {
   std::string line = "hello protocol=1 name=" + name + " seed=" + std::to_string(manager.options().seed) +
                      " tick=" + number(manager.clock.step()) +
                      (manager.probe().empty() ? " arrays=text" : " arrays=shm probe=" + manager.probe()) + " schema=";
-  static constexpr char digits[] = "0123456789abcdef";
-  const std::uint64_t schema = manager.world.schema().hash();
-  for (int shift = 60; shift >= 0; shift -= 4) line += digits[(schema >> shift) & 15];
+  append_hexadecimal(line, manager.world.schema().hash());
   return line + '\n';
 }
 

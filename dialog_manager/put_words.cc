@@ -1,24 +1,19 @@
 #include "dialog_manager/put_words.h"
 
-#include <charconv>
+#include "dialog_manager/count.h"
 
 namespace manager {
-namespace {
 
 using namespace objdb;
 
-bool parse_word(std::string_view word, std::string_view key, std::uint64_t& value) {
-  if (!word.starts_with(key)) return false;
-  word.remove_prefix(key.size());
-  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
-  return error == std::errc() && end == word.data() + word.size();
-}
-
-}  // namespace
-
 Status parse_put(Words words, std::uint64_t& slot, std::uint64_t& sequence) {
-  if (words.size() != 4 || !parse_word(words[2].text, "slot=", slot) || !parse_word(words[3].text, "seq=", sequence))
+  const bool whole = words.size() == 4;
+  const auto said_slot = whole ? parse_count_of("slot=", words[2].text) : std::nullopt;
+  const auto said_sequence = whole ? parse_count_of("seq=", words[3].text) : std::nullopt;
+  if (!said_slot || !said_sequence)
     return Error{ErrorKind::syntax, "expected put PATH.FIELD slot=K seq=N", words.back().column};
+  slot = *said_slot;
+  sequence = *said_sequence;
   return {};
 }
 

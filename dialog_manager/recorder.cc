@@ -28,12 +28,7 @@ Status Recorder::begin(const std::string& path, Journal::Sync sync) {
 void Recorder::add_world(const std::string& text) {
   Source self;
   self.name = manager_.source_name(0);
-  std::string_view rest = text;
-  while (!rest.empty()) {
-    const std::size_t end = rest.find('\n');
-    add(self, "", rest.substr(0, end));
-    rest.remove_prefix(end + 1);
-  }
+  for_each_line(text, [&](std::string_view line) { add(self, "", line); });
 }
 
 // what the world does not say of itself: the budget, and what was put off
@@ -84,9 +79,7 @@ void Recorder::add_rewind(double time) {
 void Recorder::close_tick() {
   if (journal_ == nullptr || manager_.playback.replaying()) return;
   std::string line = "tick " + number(manager_.clock.time()) + " ";
-  static constexpr char digits[] = "0123456789abcdef";
-  const std::uint64_t value = manager_.hash();
-  for (int shift = 60; shift >= 0; shift -= 4) line += digits[(value >> shift) & 15];
+  append_hexadecimal(line, manager_.hash());
   journal_->add(manager_.clock.tick(), tick_source, "", line);
   (void)keep(true);
 }

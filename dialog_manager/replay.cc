@@ -30,7 +30,7 @@ Status restore_array(Manager& manager, const Source& source, Words words, std::s
   if (words.size() != 5) return Error{ErrorKind::syntax, "expected put PATH.FIELD count=N at=BYTE check=HEX", 0};
   const Result<Target> target = parse_target(words[1]);
   if (!target) return target.error();
-  const Result<const Object*> object = find_object(manager.world, {target->pattern, 0, false}, {});
+  const Result<const Object*> object = find_object(manager.world, Word{target->pattern, 0, false}, {});
   if (!object) return object.error();
   const Result<int> field = find_field(**object, target->field, 0);
   if (!field) return field.error();

@@ -263,7 +263,7 @@ Result<std::vector<const Object*>> find_objects(const Database& database, std::s
                                                 const Scope& scope) {
   std::vector<const Object*> out;
   if (!is_pattern(pattern)) {
-    const Result<const Object*> one = find_object(database, {pattern, column, false}, scope);
+    const Result<const Object*> one = find_object(database, Word{pattern, column, false}, scope);
     if (!one) return one.error();
     out.push_back(*one);
     return out;
@@ -337,7 +337,7 @@ Status set_statement(Database& database, Words words, const Scope& scope, Gate* 
   const Words values = words.subspan(1);
 
   if (!is_pattern(target->pattern)) {
-    const Result<const Object*> object = find_object(database, {target->pattern, words[0].column, false}, scope);
+    const Result<const Object*> object = find_object(database, *target, scope);
     if (!object) return object.error();
     const Result<int> index = find_field(**object, target->field, target->field_column);
     if (!index) return index.error();

@@ -50,6 +50,10 @@ Result<Target> parse_target(const Word& word);
 
 /// The object at a path. Errors: syntax, unknown.
 Result<const Object*> find_object(const Database& database, const Word& word, const Scope& scope);
+/// The object that a target names.
+inline Result<const Object*> find_object(const Database& database, const Target& target, const Scope& scope) {
+  return find_object(database, Word{target.pattern, target.column, false}, scope);
+}
 /// The field of an object, as an index. Error unknown with a hint.
 Result<int> find_field(const Object& object, std::string_view field, int column);
 /// Every object that fits a pattern, in order of creation. A pattern without a match is error unknown.

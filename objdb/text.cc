@@ -20,8 +20,9 @@ Error syntax_error(std::string sentence, std::size_t at) {
 bool is_blank(char c) { return c == ' ' || c == '\t'; }
 
 std::string hexadecimal(unsigned char byte) {
-  static constexpr char digits[] = "0123456789abcdef";
-  return std::string("0x") + digits[byte >> 4] + digits[byte & 15];
+  std::string out = "0x";
+  append_hexadecimal(out, byte, 2);
+  return out;
 }
 
 // length of the valid UTF-8 sequence at `at`, 0 when there is none (RFC 3629, table of well-formed sequences)
@@ -277,6 +278,10 @@ void append_number(std::string& out, double value) {
   std::array<char, 32> buffer;
   const auto end = std::to_chars(buffer.data(), buffer.data() + buffer.size(), value).ptr;
   out.append(buffer.data(), end);
+}
+
+void append_hexadecimal(std::string& out, std::uint64_t value, int digits) {
+  for (int shift = 4 * (digits - 1); shift >= 0; shift -= 4) out += "0123456789abcdef"[(value >> shift) & 15];
 }
 
 void append_number(std::string& out, std::int64_t value) {

@@ -56,6 +56,9 @@ std::string shown(std::string_view text);
 /// The shortest decimal that reads back to the same bits; '.' whatever the locale.
 void append_number(std::string& out, double value);
 void append_number(std::string& out, std::int64_t value);
+
+/// Appends the lowest digits of a number, hexadecimal.
+void append_hexadecimal(std::string& out, std::uint64_t value, int digits = 16);
 std::string number(double value);
 
 /// True for valid UTF-8 without control bytes other than tab and newline: what a word can hold.

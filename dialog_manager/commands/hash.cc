@@ -7,9 +7,7 @@ namespace {
 using namespace objdb;
 
 Outcome run(Call& call) {
-  static constexpr char digits[] = "0123456789abcdef";
-  const std::uint64_t hash = call.manager.hash();
-  for (int shift = 60; shift >= 0; shift -= 4) call.out += digits[(hash >> shift) & 15];
+  append_hexadecimal(call.out, call.manager.hash());
   call.out += '\n';
   return {};
 }

@@ -11,8 +11,7 @@ Outcome run(Call& call) {
   const Result<Target> target = parse_target(call.words[0]);
   if (!target) return target.error();
   if (!is_pattern(target->pattern)) {
-    const Result<const Object*> object =
-        find_object(call.manager.world, {target->pattern, call.words[0].column, false}, call.scope);
+    const Result<const Object*> object = find_object(call.manager.world, *target, call.scope);
     if (!object) return object.error();
     if (!target->field.empty() && !is_pattern(target->field))
       if (const Result<int> field = find_field(**object, target->field, target->field_column); !field)

@@ -56,8 +56,7 @@ Outcome run(Call& call) {
   const Manager& manager = call.manager;
   const Result<Target> target = parse_target(call.words[0]);
   if (!target) return target.error();
-  const Result<const Object*> found =
-      find_object(manager.world, {target->pattern, call.words[0].column, false}, call.scope);
+  const Result<const Object*> found = find_object(manager.world, *target, call.scope);
   if (!found) return found.error();
   const Object& object = **found;
   if (!target->field.empty()) {

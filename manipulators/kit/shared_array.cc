@@ -13,14 +13,7 @@ namespace {
 
 using namespace objdb;
 
-constexpr std::size_t page = 4096, line = 64;
-
-struct Header {
-  char magic[8];
-  std::uint64_t capacity, slots;
-};
-
-std::size_t stride_of(std::size_t capacity) { return (line + capacity * sizeof(double) + page - 1) / page * page; }
+using array_layout::page;
 
 // the slot will hold other numbers one day: who wants to keep these copies them
 struct View : NumberBlock {
@@ -30,10 +23,6 @@ struct View : NumberBlock {
 };
 
 }  // namespace
-
-struct SharedArray::Head {
-  std::uint64_t sequence, count;
-};
 
 std::shared_ptr<SharedArray> SharedArray::open(const std::string& path, bool fill) {
   const int file = ::open(path.c_str(), (fill ? O_RDWR : O_RDONLY) | O_CLOEXEC);
@@ -50,25 +39,17 @@ std::shared_ptr<SharedArray> SharedArray::open(const std::string& path, bool fil
   std::shared_ptr<SharedArray> array(new SharedArray);
   array->bytes_ = static_cast<std::byte*>(at);
   array->size_ = size;
-  Header header;
+  array_layout::Header header;
   std::memcpy(&header, array->bytes_, sizeof header);
   array->capacity_ = header.capacity;
   array->slots_ = header.slots;
-  const bool whole = std::memcmp(header.magic, "sailor_b", 8) == 0 && header.slots > 0 && header.slots < size / page &&
-                     header.capacity < size / sizeof(double) &&
-                     size == page + header.slots * stride_of(header.capacity);
+  const bool whole = std::string_view(header.magic, sizeof header.magic) == array_layout::magic && header.slots > 0 &&
+                     header.slots < size / page && header.capacity < size / sizeof(double) &&
+                     size == array_layout::size(header.capacity, header.slots);
   return whole ? array : nullptr;
 }
 
 SharedArray::~SharedArray() { ::munmap(bytes_, size_); }
-
-SharedArray::Head* SharedArray::head(std::uint64_t slot) const {
-  return reinterpret_cast<Head*>(bytes_ + page + slot * stride_of(capacity_));
-}
-
-double* SharedArray::numbers(std::uint64_t slot) const {
-  return reinterpret_cast<double*>(bytes_ + page + slot * stride_of(capacity_) + line);
-}
 
 Numbers SharedArray::view(std::uint64_t slot, std::size_t count) const {
   return Numbers(std::make_shared<View>(std::span<const double>(numbers(slot), count), shared_from_this()));

@@ -7,6 +7,7 @@
 #include <span>
 #include <string>
 
+#include "objdb/array_layout.h"
 #include "objdb/numbers.h"
 
 namespace kit {
@@ -37,10 +38,10 @@ class SharedArray : public std::enable_shared_from_this<SharedArray> {
   std::optional<objdb::Numbers> read(std::uint64_t slot, std::uint64_t sequence) const;
 
  private:
-  struct Head;
+  using Head = objdb::array_layout::Head;
   SharedArray() = default;
-  Head* head(std::uint64_t slot) const;
-  double* numbers(std::uint64_t slot) const;
+  Head* head(std::uint64_t slot) const { return objdb::array_layout::head(bytes_, capacity_, slot); }
+  double* numbers(std::uint64_t slot) const { return objdb::array_layout::numbers(bytes_, capacity_, slot); }
   objdb::Numbers view(std::uint64_t slot, std::size_t count) const;
 
   std::byte* bytes_ = nullptr;

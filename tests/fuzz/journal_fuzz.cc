@@ -2,6 +2,7 @@
 #include <string>
 
 #include "dialog_manager/journal.h"
+#include "objdb/text.h"
 #include "objdb/value.h"
 
 namespace {
@@ -12,7 +13,6 @@ void require(bool good) {
 
 // the check that a line must carry, so that the reader behind it is reached
 std::string with_checks(std::string_view text) {
-  static constexpr char digits[] = "0123456789abcdef";
   std::string out;
   std::uint64_t check = 0;
   while (!text.empty()) {
@@ -20,7 +20,7 @@ std::string with_checks(std::string_view text) {
     const std::string_view line = text.substr(0, end);
     text.remove_prefix(end == std::string_view::npos ? text.size() : end + 1);
     check = objdb::hash_text(line, check) & 0xffffffffu;
-    for (int shift = 28; shift >= 0; shift -= 4) out += digits[(check >> shift) & 15];
+    objdb::append_hexadecimal(out, check, 8);
     out.append(" ").append(line);
     if (end != std::string_view::npos) out += '\n';
   }

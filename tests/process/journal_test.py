@@ -33,6 +33,12 @@ class Journals(Case):
         reply = manager.ask(f"replay {name}", timeout=60)
         return manager, reply
 
+    def check_replay(self, name, expected):
+        """A journal replayed without its programs ends in the world of this hash."""
+        manager, reply = self.replayed(name)
+        self.assertTrue(reply.ok, repr(reply))
+        self.assertEqual(manager.hash(), expected)
+
 
 class Journal(Journals):
     def test_replay_gives_the_same_world_without_programs(self):
@@ -75,9 +81,7 @@ class Journal(Journals):
         manager.must("step 3")
         expected = manager.hash()
         manager.finish()
-        other, reply = self.replayed("later")
-        self.assertTrue(reply.ok, repr(reply))
-        self.assertEqual(other.hash(), expected)
+        self.check_replay("later", expected)
 
     def put_off(self, manager):
         return [manager.must(verb) for verb in ("at", "every", "when", "budget", "time")]
@@ -133,9 +137,7 @@ class Journal(Journals):
         manager.must("step 5")
         expected = manager.hash()
         manager.finish()
-        other, reply = self.replayed("kept")
-        self.assertTrue(reply.ok, repr(reply))
-        self.assertEqual(other.hash(), expected)
+        self.check_replay("kept", expected)
 
     def test_nobody_speaks_under_a_name_of_the_journal(self):
         manager = self.world("--journal", "kept")
@@ -154,9 +156,7 @@ class Journal(Journals):
         expected = manager.hash()
         manager.finish()
         (self.folder / "part.dlg").unlink()
-        other, reply = self.replayed("kept")
-        self.assertTrue(reply.ok, repr(reply))
-        self.assertEqual(other.hash(), expected)
+        self.check_replay("kept", expected)
 
     def test_a_journal_cut_anywhere_gives_a_world_that_was(self):
         hashes = set(self.recorded())
@@ -316,9 +316,7 @@ class Journal(Journals):
             manager.must("step")
         self.assertEqual(manager.hash(), expected)
         manager.finish()
-        other, reply = self.replayed("kept")
-        self.assertTrue(reply.ok, repr(reply))
-        self.assertEqual(other.hash(), expected)
+        self.check_replay("kept", expected)
 
 
     def live(self, name):
